@@ -18,6 +18,7 @@ from tasks import (
     JointAccelerationLimit,
     JointLimits,
     JointVelocityLimit,
+    LookAtTask,
     OrientationTask,
     PlanarArm,
     PlaneLimit,
@@ -371,3 +372,23 @@ def test_levels_below_keep_what_inequalities_above_have_left(seed: int) -> None:
         step = controller(q, rng.normal(0.0, 0.3, robot.nv))
         assert step.ok
         assert step.solution.certify().ok, str(step.solution.certify())
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_of_joints_that_no_task_needs_not_round_off_decides(seed: int) -> None:
+    """The last joint only turns the hand about the axis of its tasks; its motion hangs on nothing but the state."""
+    rng, robot = np.random.default_rng(seed), load_robot(("ur3", "ur10")[seed % 2])
+    point = robot.at(rng.uniform(-2.0, 2.0, 6)).frame().position
+
+    def directed() -> AxisTask | LookAtTask:
+        gain = rng.uniform(1.0, 40.0)
+        return AxisTask(rng.normal(size=3), gain=gain) if rng.random() < 0.5 else LookAtTask(point + 1.0, gain=gain)
+
+    stack = JointAccelerationLimit(30.0) >> JointLimits() >> directed() >> directed() >> tip(point + 0.3)
+    if seed % 3:
+        stack = JointAccelerationLimit(30.0) >> JointLimits() >> tip(point + 0.3) >> directed() >> directed()
+    warm = Controller(robot, stack, order="acceleration", dt=DT)
+    for _ in range(6):
+        q, v = rng.uniform(-2.0, 2.0, 6), rng.uniform(-1.0, 1.0, 6)
+        cold = Controller(robot, stack, order="acceleration", dt=DT)
+        np.testing.assert_allclose(warm(q, v).a, cold(q, v).a, atol=1e-4)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from tasks import (
+    BoxLimit,
     Controller,
     JointAccelerationLimit,
     JointLimits,
@@ -97,3 +98,22 @@ def test_a_joint_that_comes_back_into_its_range_brakes_before_its_end(side: floa
     assert places[-1] <= 1.0 + 1e-9
     assert min(speeds) == pytest.approx(-0.5)
     assert hardest <= GENTLE * (1.0 + 1e-6)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_gentle_ends_of_ranges_yield_to_limits_in_space(seed: int) -> None:
+    """A tip that is outside a box, with joints near the ends of their ranges: it comes back as fast as without damping.
+
+    And joints stay within their ranges.
+    """
+    rng, far = np.random.default_rng(seed), np.full(2, 9.0)
+    robot = PlanarArm([0.5, 0.4, 0.3, 0.2], position_limit=(-2.6, 2.6), velocity_limit=3.0)
+    q = rng.choice([-1.0, 1.0], 4) * (2.6 - rng.uniform(0.0, 0.15, 4))
+    v, tip = rng.uniform(-3.0, 3.0, 4), robot.at(q).pose[:2]
+    box = BoxLimit(-far, [tip[0] - 0.02, 9.0], gain=rng.uniform(50.0, 200.0))
+    stack = JointLimits() >> box >> PositionTask(tip + rng.normal(size=2), gain=5.0) >> PostureTask(q, gain=1.0)
+    gentle, strict = (Controller(robot, stack, dt=0.005, damping=damping)(q, v) for damping in ("curvature", None))
+    lacks = [step.solution.levels[1].residual_norm for step in (gentle, strict)]
+    assert lacks[0] <= lacks[1] + 1e-9
+    assert gentle.solution.certify().ok
+    assert (np.abs(q + 0.005 * gentle.v) <= 2.6 + 1e-12).all()

@@ -17,6 +17,7 @@ from tasks import (
     Controller,
     Damped,
     Damping,
+    JointAccelerationLimit,
     JointLimits,
     JointMotion,
     JointVelocityLimit,
@@ -185,3 +186,19 @@ def test_numbers_that_mean_nothing_are_a_status():
     assert controller(Q, [np.nan, 0.0, 0.0]).solution.status is hqp.Status.INVALID
     assert controller(Q, [1e300, 0.0, 0.0]).solution.status is hqp.Status.INVALID
     assert controller(Q, V).ok
+
+
+@pytest.mark.parametrize("order", ["acceleration", "torque"])
+@pytest.mark.parametrize("seed", range(6))
+def test_by_default_an_arm_far_out_of_reach_comes_to_rest(seed: int, order: str) -> None:
+    """Its last level leaves it bends that hardly move the tip at first order: nothing keeps them, and nothing is to."""
+    rng, angle = np.random.default_rng(seed), 0.5 * (seed - 2.5)
+    arm = PlanarArm([0.5, 0.4, 0.3, 0.2], velocity_limit=3.0, acceleration_limit=30.0)
+    far = PositionTask([2.8 * np.cos(angle), 2.8 * np.sin(angle)], gain=5.0)
+    stack = JointVelocityLimit() + JointAccelerationLimit() >> far >> OrientationTask(rng.normal(), gain=5.0)
+    controller, q, v, fastest = Controller(arm, stack, order=order, dt=DT), rng.uniform(-1.0, 1.0, 4), np.zeros(4), 0.0
+    for k in range(1600):
+        a = controller(q, v).a
+        q, v = q + DT * v + 0.5 * DT**2 * a, v + DT * a
+        fastest = max(fastest, np.abs(v).max()) if k >= 1200 else 0.0
+    assert fastest < 0.1

@@ -39,6 +39,10 @@ DOUBTED = 2.5
 #: gain dt: on the first level that has a curvature, and below it. The lean makes x lag by its square over the gain; at
 #: 1/2 the closed loop is critically damped.
 LEAN, LEAN_BELOW = 0.0316, 0.6
+#: Weight of the brake below the first level that has a curvature, relative to the longest row, times the gate: at
+#: acceleration order it pulls all directions to the aim of that first level. Along those that its rows hardly feel, as
+#: bends of an arm that is nearly straight, nothing else keeps the levels below from swinging.
+BRAKED = 0.1
 #: The c in the metric of the lean, G'G + P + c |J|^2: as a rule; and if the last x moves along bounds, on the first
 #: level and below it. Near bounds it is in between, as their geometric mean: the lag of weak directions grows like c.
 ALIKE, ALIKE_AT_BOUNDS, ALIKE_BELOW = 0.06, 0.45, 1.0
@@ -183,6 +187,7 @@ def prepare(here, k, x):
     lean = math.sqrt(gate) * (LEAN if first != 0 else LEAN_BELOW) if known else 0.0
     so_far[at.LEAN] = lean / math.sqrt(vector(here, at.SHARES)[k])
     so_far[at.ALIKE] = ALIKE * ((ALIKE_AT_BOUNDS if first != 0 else ALIKE_BELOW) / ALIKE) ** so_far[at.AT_BOUNDS]
+    so_far[at.FIRM] = BRAKED * gate if head[at.LOOKS_AHEAD] != 0 and first == 0 else 0.0
     so_far[at.SIZE], head[at.OPEN] = size, 1
     head[at.LAGS] = 1 if first == 0 and lags(here, lean, 0.0 if strength > 0.0 else shortest) else 0
     if head[at.LAGS] != 0:

@@ -70,9 +70,9 @@ SPAN, AIMED = 69, 70
 PLACES = 71
 
 #: Places in SO_FAR: the gate of the lean; how close the last x moves along bounds; the sum of the squared damping
-#: strengths above; of this level the norm of its rows, the weight of the lean, its c, and its squared strength; and
-#: what the first curved level makes of the gate.
-GATE, AT_BOUNDS, ABOVE_DAMPED, SIZE, LEAN, ALIKE, STRENGTH, FADE = range(8)
+#: strengths above; of this level the norm of its rows, the weight of the lean, its c, and its squared strength; what
+#: the first curved level makes of the gate; and of this level the weight of the brake at acceleration order.
+GATE, AT_BOUNDS, ABOVE_DAMPED, SIZE, LEAN, ALIKE, STRENGTH, FADE, FIRM = range(9)
 
 #: Value of CURVED: the level counts as curved, but is left strict.
 SPARED = 2
@@ -93,7 +93,7 @@ def shapes(n, levels, m, widest, own, blocks):
     reals |= {
         BASIS: (own, n),
         MEASURED_BASIS: (own, n),
-        SO_FAR: (FADE + 1, 1),
+        SO_FAR: (FIRM + 1, 1),
         LEAST_SQUARES: (m + n, n + 1),
         ROW_NOW: (n + 1, 1),
         PARTS: (m + n, 1),

@@ -16,6 +16,10 @@ from .symmetric import upper_factor
 
 #: Regularisation of a matrix before its Cholesky factorisation, relative to its trace.
 REGULAR = 1e-12
+#: The same relative to the squared length of the longest row, where nothing leans: along a direction that neither rows
+#: nor damping feel, as a joint that only turns the hand about the axis of a task, round-off would decide, and that
+#: hangs on where a solve starts.
+DECIDED = 1e-9
 
 
 @inner
@@ -89,7 +93,8 @@ def draw(here, k, d, lean):
     r"""Write M = L P L' + W of damping and lean, and ``mu`` = L P L' r + W v, aim r, last x v; whether M is not 0.
 
     The weight of the lean, :math:`W = w^2 (G^T G + L P L^T + c |J|^2)`, is relative to the rows and the damping, so
-    that directions with small weights do not lag longer than others. What lags is braked: see :mod:`.brake`.
+    that directions with small weights do not lag longer than others. What lags is braked: see :mod:`.brake`. Where
+    nothing leans, as at acceleration order, levels below the first one brake towards its aim.
     """
     head, so_far, M, E = ints(here, 0, plain.HEAD), vector(here, at.SO_FAR), matrix(here, at.M), matrix(here, at.E)
     there, towards, trace = vector(here, at.VALUES), vector(here, at.MU), 0.0
@@ -113,10 +118,18 @@ def draw(here, k, d, lean):
             towards[p] += lean * lean * total
         if head[at.LAGS] != 0:
             brake(here, k, d)
+    unit = so_far[at.SIZE] * so_far[at.SIZE]
+    firm = so_far[at.FIRM] * unit
+    if firm > 0.0:  # towards the aim of the first level, whose damping the levels below would else undo
+        along(here, matrix(here, at.AIMS)[head[at.TOP]], d, there)
+        for p in range(d):
+            M[p][p] += firm
+            towards[p] += firm * there[p]
     for p in range(d):
         trace += M[p][p]
+    least = DECIDED * unit if trace > 0.0 and lean == 0.0 else 0.0
     for p in range(d):
-        M[p][p] += REGULAR * trace
+        M[p][p] += REGULAR * trace + least
     return trace > 0.0
 
 

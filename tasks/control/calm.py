@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from hqp.solver.curved import CurvedSolver
 from hqp.solver.linearisation import Bound, Contraction, Errors, Linearisation
 
 from ..base.checks import Array
+from ..robots.robot import RobotState
 from ..rows.components import Components, Work, components
 from ..rows.hierarchy_writer import HierarchyWriter
 from ..rows.levels import Rule
@@ -42,6 +43,17 @@ def levels_of(work: Sequence[Work], rules: Sequence[Rule]) -> tuple[int, ...]:
         return (0,) * levels
     bounded = {k for k, _, part, _, _ in work if part.is_limit}
     return tuple(0 if k < first else 2 if rule is False or k in bounded else 1 for k, rule in enumerate(rules))
+
+
+def passing(rows: HierarchyWriter, x: Array) -> Callable[[], object] | None:
+    """What tells whether x passes a limit in space above all tasks; None if there is none."""
+    from ..base.loops import Call
+    from ..rows.kernels.passing import passes
+
+    first = min((k for k, _, part, _, _ in rows.work if not part.is_limit), default=len(rows.levels.damping))
+    sites = [site for k, _, _, _, site in rows.work if k < first]
+    found = [(site.rows, site.A, site.lower, site.upper) for site in sites if site.A is not None]
+    return Call(passes, len(x), x, len(found), *(entry for told in found for entry in told)).run if found else None
 
 
 def kinds_of(rows: HierarchyWriter, blocks: Components) -> NDArray[np.int64]:
@@ -140,6 +152,7 @@ class CalmSolver:
         self._curved = tuple(np.where(damped.any(axis=0), 1, curved).tolist())
         ends = np.where(damped.any(axis=1)[blocks.columns], GENTLE, np.inf)
         rows.brake((k for k, kind in enumerate(self._curved) if kind == 1), ends, blocks)
+        self._ends, self._reached = ends, np.zeros(rows.hierarchy.n)
         self._linearise()
         self._solver = CurvedSolver(rows.hierarchy, self._linearisation, backend, settings)
 
@@ -147,10 +160,30 @@ class CalmSolver:
         """Take the linearisation of the rows as they are planned now."""
         rows = self._rows
         self._linearisation = linearised(rows, self._blocks, self._dt, self._curved, self._last)
+        self._passes = passing(rows, self._reached)
         self._planned, self._tuned, self._gains = rows.planned, rows.tuned, gains_of(rows)
 
+    def solve_at(self, state: RobotState, t: float, last: Array | None) -> Solution:
+        """The solution at this state and time t [s].
+
+        `last` is the x of the previous tick, None or NaN if it is unknown. Where joints that come to rest gently at the
+        ends of their ranges keep a limit in space from being met, they stop as hard as they have to.
+        """
+        rows, envelope = self._rows, self._rows.shared.envelope
+        solution = self.solve(rows.fill(state, t), last)
+        if self._passes is None:
+            return solution
+        self._reached[:] = solution.x
+        if not self._passes() or np.isinf(envelope.eased):
+            return solution
+        envelope.ease_ends(np.full_like(self._ends, np.inf))
+        try:
+            return self.solve(rows.fill(state, t), last)
+        finally:
+            envelope.ease_ends(self._ends)
+
     def solve(self, hierarchy: Hierarchy, last: Array | None = None) -> Solution:
-        """Solve the rows as they are filled now; `last` is the x of the previous tick, None or NaN if it is unknown."""
+        """Solve the rows as they are filled now."""
         rows = self._rows
         if self._planned != rows.planned:
             self._linearise()

@@ -58,11 +58,12 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
         Damping of a stack that has none of its own (:class:`~tasks.Damped` levels, or ``task + Damping()``).
         "curvature": levels are relaxed where their linearisation is inaccurate, near singularities and out of reach,
         and only in those directions; joint velocities then change smoothly there and close to limits. Joints without
-        an acceleration limit come to rest at the ends of their ranges with at most 30 rad/s^2. Elsewhere the answer is
-        the strict one. ``step.relaxed`` and ``step.solution.explain()`` show where levels are relaxed;
-        ``Damped(level, None)`` keeps a level strict. None: every level is strict. All levels are also strict if the
-        stack has damping of its own, if no part has curvature (as postures), if contact forces are unknowns (then see
-        docs/contacts.md, "Tasks out of reach"), and with closed-form backends, which take no inequalities.
+        an acceleration limit come to rest at the ends of their ranges with at most 30 rad/s^2, unless a limit in space
+        needs more. Elsewhere the answer is the strict one. ``step.relaxed`` and ``step.solution.explain()`` show where
+        levels are relaxed; ``Damped(level, None)`` keeps a level strict. None: every level is strict. All levels are
+        also strict if the stack has damping of its own, if no part has curvature (as postures), if contact forces are
+        unknowns (then see docs/contacts.md, "Tasks out of reach"), and with closed-form backends, which take no
+        inequalities.
 
     Raises
     ------

@@ -86,10 +86,9 @@ class PreparedStack:
         """
         rows = self.rows
         if fault is None and isfinite(t):
-            rows.fill(state, t)
             if isinstance(self.solver, Solver):
-                return self.solver.solve(rows.hierarchy, aims=rows.aims.by_level)
-            return self.solver.solve(rows.hierarchy, last)
+                return self.solver.solve(rows.fill(state, t), aims=rows.aims.by_level)
+            return self.solver.solve_at(state, t, last)
         rows.hierarchy.lower.fill(np.nan)  # NaN in every bound makes the solution INVALID
         return replace(self.solver.solve(rows.hierarchy), message=fault or f"t = {t} s must be finite")
 
