@@ -143,6 +143,8 @@ def _back(ours: Measure, soon: float) -> Iterator[Check]:
 def _moved(ours: Measure, most: float, where: str) -> Iterator[Check]:
     if ours.moved is not None:
         yield Check("moved by levels below", "mm", 1e3 * ours.moved, 1e3 * most, where)
+    if ours.pushed is not None:
+        yield Check("pushed by levels below", "mm", 1e3 * ours.pushed, 1e3 * most, where)
 
 
 def _error(of: Measure) -> float:

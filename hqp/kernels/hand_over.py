@@ -23,7 +23,7 @@ from .symmetric import cholesky, eigen
 
 #: Stiffness of a soft row that is half met; and the stiffness above which a row is held instead: levels below move it
 #: by the inverse of its square.
-STIFF, STIFFEST = 28.0, 80.0
+STIFF, STIFFEST = 30.0, 80.0
 #: The least share of a row's squared length that must be left of it across the rows before it to invert a Gram matrix.
 WELL = 1e-7
 #: A row, or a combination of rows, that is shorter than this share is dropped as round-off.

@@ -59,6 +59,7 @@ def test_a_law_is_missed_by_what_breaks_it() -> None:
     assert missed("outside", back=None) == ["joints back"]
     assert missed("faster", excess=0.0126, jerk=201.0) == ["error", "jerk"]
     assert missed("up", reach=0.3, caught=1, moved=2e-3) == ["caught", "back in reach", "moved by levels below"]
+    assert missed("up", pushed=2e-3) == ["pushed by levels below"]
     assert missed("humanoid", strayed=1e-3, end=0.45, jerk=501.0) == ["feet", "at the end", "jerk"]
     assert missed("stretched", gain=10.0, jerk=251.0, reach=0.4) == [], "as slow as the gain, and no absolute jerk"
 
