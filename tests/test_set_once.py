@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from inspect import signature
+
 import numpy as np
 import pytest
 
@@ -12,6 +14,7 @@ from tasks import (
     Controller,
     Fixed,
     FixedRotation,
+    JointVelocityLimit,
     Line,
     PlanarArm,
     Polygon,
@@ -110,6 +113,15 @@ def test_every_public_attribute_is_in_the_table(what: str) -> None:
 def test_a_name_that_a_target_does_not_have_is_refused(target: Target) -> None:
     with pytest.raises(InvalidInput, match="there is no attribute 'value'"):
         target.value = 1.0
+
+
+@pytest.mark.parametrize("name", signature(Controller).parameters)
+def test_what_a_controller_was_given_is_set_or_said_to_stay(name: str) -> None:
+    made = Controller(PlanarArm([1.0, 1.0]), JointVelocityLimit(1.0) >> PositionTask([1.0, 1.0], gain=1.0), dt=0.01)
+    before = dict(vars(made))
+    with pytest.raises(InvalidInput, match=f"Controller: {name} is .*, and stays"):
+        setattr(made, name, None)
+    assert vars(made) == before
 
 
 def test_a_path_of_ones_own_sets_what_is_its_own() -> None:

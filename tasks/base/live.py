@@ -29,6 +29,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from functools import wraps
+from inspect import signature
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, NoReturn, Protocol, Self, TypeVar, overload
 from warnings import warn
 from weakref import ref
@@ -250,6 +251,9 @@ class Live:
             raise InvalidInput(f"{self.full_name()}: {name} is part of its structure, and stays; {self._instead}")
         if hasattr(type(self), name):
             raise InvalidInput(f"{self.full_name()}: {name} is given by its class, and stays; {self._instead}")
+        parameter = signature(type(self)).parameters.get(name)
+        if parameter is not None and parameter.kind is parameter.KEYWORD_ONLY:
+            raise InvalidInput(f"{self.full_name()}: {name} is given when it is made, and stays; {self._instead}")
         known = sorted(other for other in vars(self).keys() | _data(type(self)) if not other.startswith("_"))
         raise InvalidInput(f"{self.full_name()}: there is no attribute {name!r}{suggestion(name, known)}")
 
