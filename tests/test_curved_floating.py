@@ -10,7 +10,18 @@ from functools import cache
 import numpy as np
 import pytest
 
-from tasks import Controller, JointLimits, PinocchioRobot, PoseTask, PostureTask, load_robot, simulate
+from tasks import (
+    CenterOfMassTask,
+    Controller,
+    JointLimits,
+    OrientationTask,
+    PinocchioRobot,
+    PoseTask,
+    PositionTask,
+    PostureTask,
+    load_robot,
+    simulate,
+)
 
 pin = pytest.importorskip("pinocchio")
 
@@ -105,3 +116,26 @@ def test_a_body_below_hands_arrives_without_swings_from_straight_arms(arm: str, 
     record = simulate(Controller(robot, stack, dt=dt), q, duration=5.0)
     far = np.linalg.norm(np.asarray(record.errors["body"])[:, :3], axis=1)
     assert far[round(3.0 / dt) :].max() < 0.06 * far[0]
+
+
+@pytest.mark.parametrize("robot", ["g1", "talos"])
+def test_a_humanoid_that_squats_in_reach_follows_as_closely_as_strict(robot: str) -> None:
+    robot, feet, wrists, base, height = {
+        "g1": (load_robot("g1"), "{}_ankle_roll_link", "{}_wrist_yaw_link", "pelvis", 0.05),
+        "talos": (load_robot("talos"), "{}_sole_link", "gripper_{}_base_link", "base_link", 0.04),
+    }[robot]
+    start, off = robot.at(robot.home), []
+    middle = start.center_of_mass.position - [0.0, 0.0, 1.6 * height]
+    for damping in "curvature", None:
+        stand = [PoseTask.hold(start, frame=feet.format(side), gain=100.0, name=side) for side in SIDES]
+        squat = CenterOfMassTask(swing(middle, [0.0, 0.0, height], np.pi), gain=10.0)
+        hands = [
+            PositionTask(start.frame(frame).position - [0.1, 0.0, 0.1], frame=frame, gain=3.0, name=frame)
+            for frame in map(wrists.format, SIDES)
+        ]
+        upright = OrientationTask(start.frame(base).rotation, frame=base, gain=5.0)
+        stack = JointLimits() >> stand[0] + stand[1] >> squat >> upright >> hands[0] + hands[1]
+        stack = stack >> PostureTask(robot.home, gain=1.0)
+        record = simulate(Controller(robot, stack, dt=DT, damping=damping), robot.home, duration=3.0)
+        off.append(np.linalg.norm(record.errors[squat.name][round(1.0 / DT) :], axis=1).max())
+    assert off[0] <= off[1] + 2e-4

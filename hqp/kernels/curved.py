@@ -25,7 +25,7 @@ from .memory import floats, given, ints, marks, matrix, vector
 from .redundant import least_apart
 from .solver import SUSPECT
 from .stage import write_damping, write_stage
-from .trust import SOONER, crowded, quiet
+from .trust import crowded, quiet
 from .valid import valid
 
 #: Outcomes beside those of the solver. The strict answer is the optimum, and one sweep without iterations has found it;
@@ -35,13 +35,15 @@ AT_ONCE, IN_STAGES = -2, -100
 FASTEST = 1e12
 #: Ratio of the curvature to the smallest squared singular value of the rows from which the lean has its full weight.
 DOUBTED = 2.5
+#: Power with which it fades in from the ratio that is trusted on.
+FADED = 1.5
 #: Weight of the lean, which pulls a level towards the last x, relative to its rows and damping, times the root of
 #: gain dt: on the first level that has a curvature, and below it. The lean makes x lag by its square over the gain; at
 #: 1/2 the closed loop is critically damped.
 LEAN, LEAN_BELOW = 0.0316, 0.6
-#: Weight of the brake below the first level that has a curvature, relative to the longest row, times the gate: at
-#: acceleration order it pulls all directions to the aim of that first level. Along those that its rows hardly feel, as
-#: bends of an arm that is nearly straight, nothing else keeps the levels below from swinging.
+#: Weight of the brake below the first level that has a curvature, relative to the longest row, times the square of the
+#: gate: at acceleration order it pulls all directions to the aim of that first level. Along those that its rows hardly
+#: feel, as bends of an arm that is nearly straight, nothing else keeps the levels below from swinging.
 BRAKED = 0.1
 #: The c in the metric of the lean, G'G + P + c |J|^2: as a rule; and if the last x moves along bounds, on the first
 #: level and below it. Near bounds it is in between, as their geometric mean: the lag of weak directions grows like c.
@@ -167,7 +169,7 @@ def prepare(here, k, x):
     else:
         strength, ratio = bend(here, k, count, d, above, least, so_far[at.ABOVE_DAMPED])
     so_far[at.STRENGTH] = strength
-    fade = min(1.0, max(0.0, (ratio - TRUSTED) / (DOUBTED - TRUSTED))) ** SOONER
+    fade = min(1.0, max(0.0, (ratio - TRUSTED) / (DOUBTED - TRUSTED))) ** FADED
     if k == head[at.TOP]:
         so_far[at.FADE] = fade
     gate = so_far[at.GATE] = max(so_far[at.GATE], fade)
@@ -187,7 +189,7 @@ def prepare(here, k, x):
     lean = math.sqrt(gate) * (LEAN if first != 0 else LEAN_BELOW) if known else 0.0
     so_far[at.LEAN] = lean / math.sqrt(vector(here, at.SHARES)[k])
     so_far[at.ALIKE] = ALIKE * ((ALIKE_AT_BOUNDS if first != 0 else ALIKE_BELOW) / ALIKE) ** so_far[at.AT_BOUNDS]
-    so_far[at.FIRM] = BRAKED * gate if head[at.LOOKS_AHEAD] != 0 and first == 0 else 0.0
+    so_far[at.FIRM] = BRAKED * gate * gate if head[at.LOOKS_AHEAD] != 0 and first == 0 else 0.0
     so_far[at.SIZE], head[at.OPEN] = size, 1
     head[at.LAGS] = 1 if first == 0 and lags(here, lean, 0.0 if strength > 0.0 else shortest) else 0
     if head[at.LAGS] != 0:

@@ -17,9 +17,10 @@ from .memory import ints, marks, matrix, vector
 from .redundant import BALANCED, across, has_unknown, longest, weight_of
 from .solver import levels_that_count
 
-#: Share of its range within which a row is near a bound, and the power with which the nearness counts. With a larger
-#: power the lean lets go of x so fast, as it leaves a bound, that x catches up within a few ticks.
-NEAR, SOONER = 0.2, 1.5
+#: Share of its range within which a row is near a bound, and the power with which the nearness counts. With a smaller
+#: power the lean lets go of x more slowly as it leaves a bound, and holds back motions in reach that come near one: by
+#: 0.6 mm the centre of mass of a humanoid that squats.
+NEAR, SOONER = 0.2, 3
 
 
 @inner
