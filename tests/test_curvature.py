@@ -33,7 +33,7 @@ from tasks import (
 )
 from tasks.base.loops import address, ready, run_all
 from tasks.base.rotations import exp
-from tasks.robots.chain import APART, carried
+from tasks.robots.chain import APART, carried, carried_in_tree, joint_by_joint
 from tasks.rows.part import Tick
 from tasks.rows.plan import plan_of
 from tasks.rows.site import Site, Workspace
@@ -422,3 +422,21 @@ def test_robots_of_ones_own_bend_if_they_tell_the_order_of_their_joints():
 def test_pairs_are_told_once_with_what_carries_first():
     pairs = [[0, 0, 0], [0, 3, 1], [2, 0, 0], [2, 2, 0], [2, 3, 0], [3, 3, 0]]
     assert carried(np.array([1, APART, 0, 1])).tolist() == pairs
+
+
+TREE = np.array([[0, APART, APART, APART], [0, 1, APART, APART], [0, APART, 1, 1], [0, APART, 1, 1]])
+
+
+@pytest.mark.parametrize(
+    ("pairs", "chain", "velocities"),
+    [
+        (carried(np.array([1, APART, 0, 1])), [[-1, 0, 1], [0, 1, 3]], [2, 0, 3]),
+        (carried_in_tree(TREE), [[-1, 0, 1], [0, 1, 2], [0, 2, 4]], [0, 1, 2, 3]),
+        (carried(np.array([APART, APART])), [], []),
+    ],
+    ids=["a joint with two velocities", "two branches", "none"],
+)
+def test_joints_come_after_those_that_carry_them(pairs, chain, velocities):
+    found = joint_by_joint(pairs)
+    assert [each.tolist() for each in found] == [chain, velocities]
+    assert found[0].shape == (len(chain), 3)

@@ -17,6 +17,7 @@ from tasks import (
     CenterOfMassTask,
     Controller,
     JointLimits,
+    JointVelocityLimit,
     OrientationTask,
     PositionTask,
     PostureTask,
@@ -119,3 +120,40 @@ def test_numbers_are_tested_where_the_strict_answer_is_left_out(wrong: float) ->
     assert controller(q, v).solution.status is Status.INVALID
     place.move([1.5, 0.0, 0.5])
     assert controller(q, v).solution.certify().ok
+
+
+def test_while_a_hand_is_followed_in_reach_no_stage_is_prepared() -> None:
+    """The smallest singular value is judged as sharply before the stages as for them."""
+    robot, place = load_robot("panda", lock=["panda_finger_joint1"]), Setpoint(np.zeros(3))
+    centre = robot.at(robot.home).frame("panda_hand")
+    hand = PositionTask(place, frame="panda_hand", gain=20.0)
+    turn = OrientationTask(centre.rotation, frame="panda_hand", gain=20.0)
+    stack = JointLimits() >> hand >> turn >> PostureTask(robot.home, gain=1.0)
+    controller, q, v, prepared = Controller(robot, stack, dt=DT), robot.home, np.zeros(robot.nv), 0
+    head = controller._now.solver._solver._head
+    for k in range(1000):  # a figure eight, 0.5 m wide
+        turned = 2.0 * np.pi * 0.2 * DT * k
+        place.move(centre.position + np.array([0.0, 0.25 * np.sin(turned), 0.12 * np.sin(2.0 * turned)]))
+        head[at.SWEEPS] = -1
+        step = controller(q, v)
+        prepared += int(head[at.SWEEPS]) != -1
+        assert not opened(controller)
+        q, v = robot.integrate(q, DT * step.v), step.v
+    assert prepared <= 20  # some at the start, when no sides of rows are known
+
+
+@pytest.mark.parametrize("dt", [DT, None])
+def test_whether_the_last_velocity_is_known_is_told_by_every_tick(dt: float | None) -> None:
+    robot = load_robot("panda", lock=["panda_finger_joint1"])
+
+    def make() -> Controller:
+        far = PositionTask([1.5, 0.0, 0.5], gain=20.0)
+        return Controller(robot, JointVelocityLimit(2.0) >> far >> PostureTask(robot.home, gain=1.0), dt=dt)
+
+    q, v, controller, found = robot.home, np.full(robot.nv, 0.1), make(), []
+    for last in v, None, v, -v, None, np.full(robot.nv, 1e13), v:
+        found.append(controller(q, last).v)
+        np.testing.assert_allclose(found[-1], make()(q, last).v, atol=1e-9)
+    known, unknown, beyond = found[0], found[1], found[5]
+    assert (np.abs(known - unknown).max() > 1e-3) == (dt is not None)  # a level leans towards it
+    np.testing.assert_allclose(beyond, unknown, atol=1e-9)

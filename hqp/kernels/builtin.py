@@ -70,6 +70,8 @@ def boxed(typing, number):
 def run(own, arguments, count):
     """Call the loop at ``own[0]`` with the directory at ``own[1]`` and the numbers in the first argument.
 
+    x and the work are read from the directory at ``own[2]``.
+
     Returns
     -------
     told : int
@@ -78,11 +80,11 @@ def run(own, arguments, count):
     """
     if count != 2:
         return 0
-    table = ints(ints(own + DATA, 0, 1)[0], 0, 2)
+    table = ints(ints(own + DATA, 0, 1)[0], 0, 3)
     given = ints(arguments, 0, 2)
-    here, numbers, point = table[1], ints(given[0] + DATA, 0, 1)[0], ints(given[1] + DATA, 0, 1)[0]
+    here, numbers, point = table[2], ints(given[0] + DATA, 0, 1)[0], ints(given[1] + DATA, 0, 1)[0]
     thread = release()
-    outcome = called_on(table[0], here, numbers)
+    outcome = called_on(table[0], table[1], numbers)
     head, told = ints(here, 0, at.HEAD), -1
     if outcome == OPTIMAL:
         n, x = head[at.N], vector(here, at.X)
@@ -111,21 +113,22 @@ _make.restype, _make.argtypes = ctypes.py_object, (ctypes.c_void_p, ctypes.py_ob
 _METHOD = _Method(b"run", None, FASTCALL, b"Solve: numbers and x, an array to write; what it took, or -1.")
 
 
-def runner(workspace: Workspace, kernel: Any) -> Callable[[Array, Array], int]:
+def runner(workspace: Workspace, kernel: Any, address: int | None = None) -> Callable[[Array, Array], int]:
     """A function of numbers and an array for x by which a kernel solves in this workspace; what it tells: :func:`run`.
 
-    Where the interpreter runs loops, or arrays are not as known here, it is written in Python.
+    A kernel with a directory of its own, at this address, tells x and its work in the workspace. Where the interpreter
+    runs loops, or arrays are not as known here, the function is written in Python.
     """
-    array = np.zeros(1)
+    here, array = workspace.address if address is None else address, np.zeros(1)
     if not INTERPRETED and ctypes.c_size_t.from_address(id(array) + DATA).value == array.ctypes.data:
         _METHOD.address = address_of(run, SIGNATURE)
-        own = np.array([address_of(kernel, ready.SIGNATURE), workspace.address], dtype=np.int64)
+        own = np.array([address_of(kernel, ready.SIGNATURE), here, workspace.address], dtype=np.int64)
         made: Callable[[Array, Array], int] = _make(ctypes.addressof(_METHOD), own, workspace)  # which lives as long
         return made
     solve = ready.door(kernel)
 
     def run_in_python(numbers: Array, x: Array) -> int:
-        if solve(workspace.address, numbers.ctypes.data) != OPTIMAL:
+        if solve(here, numbers.ctypes.data) != OPTIMAL:
             return -1
         x[:] = workspace.x
         return int(workspace.head[at.SWEEPS] + at.ITERATION * workspace.head[at.ITERATIONS])

@@ -17,6 +17,7 @@ from .bend import TRUSTED, bend, find_bounds
 from .brake import lags, note_asked
 from .call import called_on
 from .compile import entry, inner, integer, stamp
+from .crowding import crowd, crowded, knows_last
 from .curved_rows import demand, gather, kept, measure, norm_of, note_bounds, project, stack_above
 from .direct import solve_directly
 from .hand_over import freeze, hold
@@ -25,14 +26,11 @@ from .memory import floats, given, ints, marks, matrix, vector
 from .redundant import least_apart
 from .solver import SUSPECT
 from .stage import write_damping, write_stage
-from .trust import crowded, quiet
+from .trust import quiet
 from .valid import valid
 
-#: Outcomes beside those of the solver. The strict answer is the optimum, and one sweep without iterations has found it;
-#: or stages were solved, without iterations: less the number of their sweeps.
-AT_ONCE, IN_STAGES = -2, -100
-#: Larger values of the last x count as unknown: their squares are too large for a hierarchy.
-FASTEST = 1e12
+#: Added to the number of sweeps that is told of an answer in stages.
+STAGED = 1 << 31
 #: Ratio of the curvature to the smallest squared singular value of the rows from which the lean has its full weight.
 DOUBTED = 2.5
 #: Power with which it fades in from the ratio that is trusted on.
@@ -79,15 +77,6 @@ def note_errors(here):
         for i in range(count):
             low, high = error[i] + below[i], error[i] + above[i]
             errors[begin + i] = scales[begin + i] * (low if low > 0.0 else high if high < 0.0 else 0.0)
-
-
-@inner
-def note_last(here):
-    """Set the last x to NaN, unknown, if one of its numbers means nothing."""
-    last = vector(here, at.LAST)
-    for j in range(ints(here, 0, plain.HEAD)[plain.N]):
-        if not abs(last[j]) <= FASTEST:
-            last[0] = math.nan
 
 
 @inner
@@ -185,7 +174,7 @@ def prepare(here, k, x):
         return False
     if not opened:
         size = norm_of(here, count, free)
-    known = not spared and vector(here, at.LAST)[0] == vector(here, at.LAST)[0]
+    known = not spared and knows_last(here)
     lean = math.sqrt(gate) * (LEAN if first != 0 else LEAN_BELOW) if known else 0.0
     so_far[at.LEAN] = lean / math.sqrt(vector(here, at.SHARES)[k])
     so_far[at.ALIKE] = ALIKE * ((ALIKE_AT_BOUNDS if first != 0 else ALIKE_BELOW) / ALIKE) ** so_far[at.AT_BOUNDS]
@@ -254,24 +243,10 @@ def solve_stages(here, begun):
 
 
 @inner
-def crowd(here, strict):
-    """Set the gate of every block: how close the strict answer moves along bounds; returns the largest."""
-    x, gate = vector(marks(here, at.DIRECTORIES)[ints(here, 0, plain.HEAD)[plain.LEVELS]], plain.X), 0.0
-    known = vector(here, at.LAST)[0] == vector(here, at.LAST)[0]
-    for block in marks(here, at.BLOCKS):
-        note_bounds(block)
-        own = 0.0 if not known else crowded(block, x) if strict == OPTIMAL else 1.0
-        vector(block, at.SO_FAR)[at.GATE] = own
-        gate = max(gate, own)
-    return gate
-
-
-@inner
 def look(here):
-    """Note how far off the rows are, what bounds their curvatures, and the last x."""
+    """Note how far off the rows are, and what bounds their curvatures."""
     note_errors(here)
     find_bounds(here)
-    note_last(here)
 
 
 @inner
@@ -310,7 +285,7 @@ def solve_all(here, numbers):
     if strict == SUSPECT:
         return strict
     look(here)
-    if crowd(here, strict) == 0.0 and fits and quiet(here, marks(here, at.DIRECTORIES)[levels]):
+    if crowd(here, strict) == 0.0 and fits and strict == OPTIMAL and quiet(here, marks(here, at.DIRECTORIES)[levels]):
         head[at.OPENED] = levels
         return strict
     outcome = solve_stages(here, False)
@@ -332,10 +307,24 @@ def note_stages(here):
             aimed[k][j] = aims[k][j]
 
 
+@inner
+def tell_stages(here):
+    """Tell x and the work of all stages where those of the strict answer are told."""
+    head = ints(here, 0, plain.HEAD)
+    there, point = marks(here, at.DIRECTORIES)[head[plain.LEVELS]], matrix(here, at.POINTS)[head[plain.LEVELS] - 1]
+    told, x = ints(there, 0, plain.HEAD), vector(there, plain.X)
+    told[plain.SWEEPS], told[plain.ITERATIONS] = head[at.SWEEPS] + STAGED, head[at.ITERATIONS]
+    for j in range(head[plain.N]):
+        x[j] = point[j]
+
+
 @stamp
 @entry
 def solve_curved(here, numbers):
-    """Solve the hierarchy at the address `numbers`, with the curved levels of the directory; returns the outcome."""
+    """Solve the hierarchy at the address `numbers`, with the curved levels of the directory; returns the outcome.
+
+    Where the native solver solves, x and the work are told in the directory of the strict hierarchy.
+    """
     head = ints(here, 0, plain.HEAD)
     given(here, numbers)
     for block in marks(here, at.BLOCKS):
@@ -343,11 +332,6 @@ def solve_curved(here, numbers):
     outcome = solve_all(here, numbers)
     if head[at.OPENED] < head[plain.LEVELS]:
         note_stages(here)
-        if outcome == OPTIMAL and head[at.QUICK] != 0 and head[at.ITERATIONS] == 0:
-            outcome = integer(IN_STAGES - head[at.SWEEPS])
-    elif outcome == OPTIMAL and head[at.QUICK] != 0:
-        told = ints(marks(here, at.DIRECTORIES)[head[plain.LEVELS]], 0, plain.HEAD)
-        if told[plain.SWEEPS] == 1 and told[plain.ITERATIONS] == 0:
-            outcome = integer(AT_ONCE)
-    head[at.OUTCOME] = outcome
+        if head[at.QUICK] != 0:
+            tell_stages(here)
     return outcome

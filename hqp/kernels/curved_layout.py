@@ -9,15 +9,15 @@ from __future__ import annotations
 from .layout import PAD
 
 #: Numbers at the head, beside N, LEVELS and ROWS: the first level that was solved in its own stage (LEVELS: none); the
-#: outcome; the last stage that was solved; the address of the loop that solves a hierarchy; how many parts measure
-#: errors; the first curved level; and whether the solver leaves the basis of the strict answer in memory. Whether
-#: METRIC is more than the identity; sweeps and iterations of all stages; and whether any row has a WORTH.
-OPENED, OUTCOME, STAGE, SOLVE, MEASURES, TOP, QUICK = 5, 6, 7, 8, 9, 10, 11
-STIFF, SWEEPS, ITERATIONS, LOOKS_AHEAD = 12, 13, 14, 15
+#: last stage that was solved; the address of the loop that solves a hierarchy; how many parts measure errors; the first
+#: curved level; and whether the solver leaves the basis of the strict answer in memory. Whether METRIC is more than the
+#: identity; sweeps and iterations of all stages; and whether any row has a WORTH.
+OPENED, STAGE, SOLVE, MEASURES, TOP, QUICK = 5, 6, 7, 8, 9, 10
+STIFF, SWEEPS, ITERATIONS, LOOKS_AHEAD = 11, 12, 13, 14
 #: Of a block, on the way down its levels: its number; whether a level of it has a stage of its own; whether none of
 #: them had a curvature; directions that are left, and were at first; active rows of all levels above, and of this one;
 #: and whether this one may have to be braked.
-NUMBER, OPEN, FIRST_TASK, LEFT, FREE, STACKED, ACTIVE, LAGS = 16, 17, 18, 19, 20, 21, 22, 23
+NUMBER, OPEN, FIRST_TASK, LEFT, FREE, STACKED, ACTIVE, LAGS = 15, 16, 17, 18, 19, 20, 21, 22
 
 #: Which levels are curved: not 0 if a level may be damped, SPARED if it is always left strict. Then for the stage of
 #: every level: its directory (one more at the end: that of the strict hierarchy); its numbers; how many dense rows and

@@ -1,6 +1,6 @@
 """Decides whether the strict answer of a curved hierarchy can be taken unchanged, as in almost every tick.
 
-It can if no level needs damping by its curvature, and x does not move along bounds.
+It can if no level needs damping by its curvature, and x does not move along bounds (:mod:`.crowding`).
 """
 
 from __future__ import annotations
@@ -11,134 +11,173 @@ from . import curved_layout as at
 from . import layout as plain
 from .bend import TRUSTED, bound, contract
 from .compile import inner, integer
-from .curved_rows import gather, value_at
+from .curved_rows import gather
 from .lacking import note_lacking
 from .memory import ints, marks, matrix, vector
 from .redundant import BALANCED, across, has_unknown, longest, weight_of
-from .solver import levels_that_count
-
-#: Share of its range within which a row is near a bound, and the power with which the nearness counts. With a smaller
-#: power the lean lets go of x more slowly as it leaves a bound, and holds back motions in reach that come near one: by
-#: 0.6 mm the centre of mass of a humanoid that squats.
-NEAR, SOONER = 0.2, 3
 
 
 @inner
-def moves_along(value, low, high):
-    """How close a value moves along its bounds low .. high: 0 away from them, or NaN; 1 at one of them."""
-    room = high - low
-    if not room > 0.0 or room == math.inf:
-        return 0.0
-    near = min(value - low, high - value) / room
-    if not near < NEAR:
-        return 0.0
-    moving = min(1.0, 2.0 * abs(value) / max(abs(low), abs(high)))  # a value at rest at its bound does not count
-    return moving * min(1.0, 1.0 - near / NEAR) ** SOONER
+def note_triangle(here, there, c):
+    """Write 1 over the diagonal of the first c rows of the triangle L to ``row_now``.
 
-
-@inner
-def sign_of(row, other, n):
-    """1 if two rows are equal, -1 if they are opposite, else 0."""
-    same, opposite = True, True
-    for j in range(n):
-        same = same and row[j] == other[j]
-        opposite = opposite and row[j] == -other[j]
-        if not (same or opposite):
-            return 0
-    return 1 if same else -1
-
-
-@inner
-def ends_of(here, i):
-    """The ends of dense row i above the curved levels; where it has but one, the other one from the rows alike it."""
-    lower, upper, col = vector(here, plain.LOWER), vector(here, plain.UPPER), marks(here, plain.COL)
-    n, row_of, A = ints(here, 0, plain.HEAD)[plain.N], marks(here, plain.ROW_OF), matrix(here, plain.A)
-    low, high = lower[i], upper[i]
-    if (low == -math.inf) == (high == math.inf):
-        return low, high
-    for p in range(marks(here, at.OWN_OF)[ints(here, 0, plain.HEAD)[at.TOP]]):
-        r = marks(here, at.OWN)[p]
-        if col[r] >= 0 or r == i:
-            continue
-        sign = sign_of(A[row_of[i]], A[row_of[r]], n)
-        if sign > 0:
-            low, high = max(low, lower[r]), min(high, upper[r])
-        elif sign < 0:
-            low, high = max(low, -upper[r]), min(high, -lower[r])
-    return low, high
-
-
-@inner
-def crowded(here, x):
-    """How close x moves along bounds of the levels above the curved ones, by :func:`moves_along`.
-
-    Bounds of a variable count as one pair, however many rows they are told in, and so do the two of a dense row.
+    Returns how many variables are free; -1 if an active row is an inequality.
     """
-    col = marks(here, plain.COL)
-    least, most, columns, gate = vector(here, at.LEAST), vector(here, at.MOST), marks(here, at.COLUMNS), 0.0
-    for p in range(len(columns)):
-        j = columns[p]
-        gate = max(gate, moves_along(x[j], least[j], most[j]))
-    for p in range(marks(here, at.OWN_OF)[ints(here, 0, plain.HEAD)[at.TOP]]):
-        i = marks(here, at.OWN)[p]
-        if col[i] < 0:
-            low, high = ends_of(here, i)
-            gate = max(gate, moves_along(value_at(here, i, x), low, high))
-    return gate
+    pivot, pinned, L = marks(there, plain.PIVOT), marks(there, plain.PINNED), matrix(there, plain.L)
+    lower, upper, over = vector(here, plain.LOWER), vector(here, plain.UPPER), vector(here, at.ROW_NOW)
+    free, equal = integer(0), True
+    for q in range(c):
+        i = pivot[q]
+        over[q] = 1.0 / L[i][q]
+        equal = equal and lower[i] == upper[i]
+    for j in range(ints(here, 0, plain.HEAD)[plain.N]):
+        i = pinned[j]
+        if i < 0:
+            free += 1
+        else:
+            equal = equal and lower[i] == upper[i]
+    return free if equal else integer(-1)
 
 
 @inner
-def least_of(L, pivot, first, end, column):
-    """A lower bound of the smallest squared singular value of the triangle first .. end - 1 of L: 1 / ||inverse||_F^2.
+def weigh(here, k):
+    """Write the weights ``wanted`` of the curvatures of level k, as :func:`.curved_rows.gather` does.
 
-    `column` is work space.
+    Returns how many of its rows are equalities; -1 if another one has an error.
     """
-    total = 0.0
-    for c in range(first, end):
-        for r in range(c, end):
-            row = L[pivot[r]]
-            value = 1.0 if r == c else 0.0
+    ptr, lower, upper = marks(here, plain.PTR), vector(here, plain.LOWER), vector(here, plain.UPPER)
+    errors, weights, wanted, count = (
+        vector(here, at.ERRORS),
+        vector(here, plain.WEIGHTS),
+        vector(here, at.WANTED),
+        integer(0),
+    )
+    for i in range(ptr[k], ptr[k + 1]):
+        wanted[i] = 0.0
+        if lower[i] == upper[i]:
+            wanted[i] = -weights[i] * weights[i] * errors[i]
+            count += 1
+        elif errors[i] != 0.0 and (lower[i] > -math.inf or upper[i] < math.inf):
+            return integer(-1)
+    return count
+
+
+@inner
+def inverse_of(here, there, first, end):
+    """An upper bound of 1 over the smallest squared singular value of the triangle first .. end - 1 of L.
+
+    It is the inverse of :func:`.symmetric.smallest`, but from the inverse of the triangle that is there.
+    """
+    L, pivot, over, X = matrix(there, plain.L), marks(there, plain.PIVOT), vector(here, at.ROW_NOW), matrix(here, at.E)
+    n, trace, squares = end - first, 0.0, 0.0
+    for c in range(n):  # row c gets column c of the inverse
+        column = X[c]
+        column[c] = over[first + c]
+        for r in range(c + 1, n):
+            row, value = L[pivot[first + r]], 0.0
             for q in range(c, r):
-                value -= row[q] * column[q - first]
-            value /= row[r]
-            column[r - first] = value
-            total += value * value
-    return 1.0 / total if total > 0.0 else math.inf
+                value -= row[first + q] * column[q]
+            column[r] = value * over[first + r]
+    for i in range(n):
+        one = X[i]
+        for j in range(i + 1):
+            other, value = X[j], 0.0
+            for p in range(i, n):
+                value += one[p] * other[p]
+            if j == i:
+                trace += value
+                squares += value * value
+            else:
+                squares += 2.0 * value * value
+    return (trace + math.sqrt(max(n * squares - trace * trace, 0.0) * (n - 1))) / max(n, 1)
 
 
 @inner
-def pushed(here, there, k, c, f):
-    """Write the multipliers of the rows above level k as weights ``wanted`` of their curvatures; whether there are any.
+def hand_up(here, there, k, c):
+    """Write the multipliers of the rows above level k as weights ``wanted`` of their curvatures.
 
-    As :func:`.bend.multipliers`, but from the triangle of the first c rows of V, over the f free variables, in the
-    directory `there`.
+    As :func:`.bend.multipliers`, but from the triangle of the first c rows of V, along which ``mu`` is J' e.
     """
-    V, L, pivot, free = (
-        matrix(there, plain.V),
+    L, pivot, over, mu = (
         matrix(there, plain.L),
         marks(there, plain.PIVOT),
-        marks(there, plain.FREE),
+        vector(here, at.ROW_NOW),
+        vector(here, at.MU),
     )
-    pull, mu, wanted = vector(here, at.PULL), vector(here, at.MU), vector(here, at.WANTED)
-    ptr, weights, some = marks(here, plain.PTR), vector(here, plain.WEIGHTS), False
+    ptr, weights, wanted = marks(here, plain.PTR), vector(here, plain.WEIGHTS), vector(here, at.WANTED)
     for i in range(ptr[ints(here, 0, plain.HEAD)[at.TOP]], ptr[k]):
         wanted[i] = 0.0
-    for t in range(f):
-        some = some or pull[free[t]] != 0.0
-    if not some:
-        return False
+    for q in range(c - 1, -1, -1):
+        i, own = pivot[q], mu[q] * over[q]
+        row = L[i]
+        for r in range(q):
+            mu[r] -= row[r] * own
+        wanted[i] = own * weights[i]
+
+
+@inner
+def pull_along(here, there, c, f):
+    """Write ``pull`` along the first c rows of V, which are over the f free variables, to ``mu``."""
+    V, free, pull, mu = matrix(there, plain.V), marks(there, plain.FREE), vector(here, at.PULL), vector(here, at.MU)
     for q in range(c):
         direction, total = V[q], 0.0
         for t in range(f):
             total += direction[t] * pull[free[t]]
         mu[q] = total
-    for q in range(c - 1, -1, -1):
-        row = L[pivot[q]]
-        mu[q] /= row[q]
-        for r in range(q):
-            mu[r] -= row[r] * mu[q]
-        wanted[pivot[q]] = mu[q] * weights[pivot[q]]
-    return True
+
+
+@inner
+def rows_along(here, there, k, c):
+    """The same for the J' e of level k, whose rows the solver has written along V, in L; from its ``wanted``."""
+    ptr, L, norm, mu = marks(here, plain.PTR), matrix(there, plain.L), vector(there, plain.NORM), vector(here, at.MU)
+    errors, weights, wanted = vector(here, at.ERRORS), vector(here, plain.WEIGHTS), vector(here, at.WANTED)
+    for q in range(c):
+        mu[q] = 0.0
+    for i in range(ptr[k], ptr[k + 1]):
+        if wanted[i] != 0.0 and norm[i] > 0.0:
+            row, share = L[i], weights[i] * errors[i]
+            for q in range(c):
+                mu[q] += share * row[q]
+
+
+@inner
+def pull_of(here, k):
+    """Write ``pull`` = J' e of level k, from its ``wanted``."""
+    ptr, col, row_of = marks(here, plain.PTR), marks(here, plain.COL), marks(here, plain.ROW_OF)
+    n, A, wanted, pull = (
+        ints(here, 0, plain.HEAD)[plain.N],
+        matrix(here, plain.A),
+        vector(here, at.WANTED),
+        vector(here, at.PULL),
+    )
+    for j in range(n):
+        pull[j] = 0.0
+    for i in range(ptr[k], ptr[k + 1]):
+        if col[i] >= 0:
+            pull[col[i]] -= wanted[i]
+        elif wanted[i] != 0.0:
+            row = A[row_of[i]]
+            for j in range(n):
+                pull[j] -= wanted[i] * row[j]
+
+
+@inner
+def pushes(here, there, k, last, c, f):
+    """Whether level k asks for anything along the rows of V above it, its first c: these then have their ``wanted``.
+
+    The solver has written the rows of the levels above `last` along V.
+    """
+    mu, some = vector(here, at.MU), False
+    if k < last:
+        rows_along(here, there, k, c)
+    else:
+        pull_of(here, k)
+        pull_along(here, there, c, f)
+    for q in range(c):
+        some = some or mu[q] != 0.0
+    if some:
+        hand_up(here, there, k, c)
+    return some
 
 
 @inner
@@ -164,8 +203,9 @@ def leave_off(here, there, c, f):
 def repeated(here, there, k, count, first, end, f):
     """Whether those of the `count` rows of level k that are none of its rows first .. end - 1 of V repeat others.
 
-    As :func:`.redundant.least_apart` decides, but by the triangle in the directory `there`; f as in :func:`pushed`.
+    As :func:`.redundant.least_apart` decides, but by the triangle in the directory `there`; f as in :func:`pull_along`.
     """
+    gather(here, k)
     n, J, ids = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.J), marks(here, at.IDS)
     pivot, free, weights, size = marks(there, plain.PIVOT), marks(there, plain.FREE), vector(here, plain.WEIGHTS), 0.0
     pull, wanted, S = vector(here, at.PULL), vector(here, at.WANTED), matrix(here, at.S)
@@ -180,7 +220,8 @@ def repeated(here, there, k, count, first, end, f):
         size += u * u
         for j in range(n):
             pull[j] += u * J[r][j]
-    pushed(here, there, k, end, f)
+    pull_along(here, there, end, f)
+    hand_up(here, there, k, end)
     most = BALANCED * math.sqrt(longest(here, count) * size)
     balanced = has_unknown(here, k) or contract(here, ints(here, 0, plain.HEAD)[at.TOP], k + 1) <= most
     if not balanced:
@@ -188,7 +229,7 @@ def repeated(here, there, k, count, first, end, f):
             for j in range(f):
                 S[i][j] = S[free[i]][free[j]]
         balanced = across(here, matrix(there, plain.V), 0, first, f) <= most
-    gather(here, k)  # as it was
+    weigh(here, k)  # as it was
     return balanced
 
 
@@ -199,46 +240,39 @@ def quiet(here, there):
     It must come from one sweep, with no active inequality. The ratios are those of :func:`.bend.bend`, but computed
     from the triangles of that basis, which costs less than the sweep.
     """
-    head, ptr = ints(here, 0, plain.HEAD), marks(here, plain.PTR)
-    n, levels, last, cut = head[plain.N], head[plain.LEVELS], levels_that_count(there), marks(there, plain.CUT)
-    pivot, L, weights = marks(there, plain.PIVOT), matrix(there, plain.L), vector(here, plain.WEIGHTS)
-    lower, upper, ids, f = vector(here, plain.LOWER), vector(here, plain.UPPER), marks(here, at.IDS), integer(0)
-    if cut[last] < 0 or ints(there, 0, plain.HEAD)[plain.SWEEPS] != 1:  # no basis, or one of another guess
+    head, told, ptr, weights = (
+        ints(here, 0, plain.HEAD),
+        ints(there, 0, plain.HEAD),
+        marks(here, plain.PTR),
+        vector(here, plain.WEIGHTS),
+    )
+    top, last, cut = head[at.TOP], told[plain.LEVEL], marks(there, plain.CUT)
+    if cut[last] < 0 or told[plain.SWEEPS] != 1:  # no basis, or one of another guess
         return False
-    for q in range(cut[last]):
-        if lower[pivot[q]] != upper[pivot[q]]:
-            return False
-    for j in range(n):
-        pinned = marks(there, plain.PINNED)[j]
-        if pinned < 0:
-            f += 1
-        elif lower[pinned] != upper[pinned]:
-            return False
-    for k in range(head[at.TOP], levels):
-        if head[at.LOOKS_AHEAD] != 0 and k > head[at.TOP]:
-            leave_off(here, there, cut[min(k, last)], f)
+    f = note_triangle(here, there, cut[last])
+    if f < 0:
+        return False
+    for k in range(top, head[plain.LEVELS]):
+        first, inverse = cut[min(k, last)], 0.0
+        if head[at.LOOKS_AHEAD] != 0 and k > top:
+            leave_off(here, there, first, f)
             for block in marks(here, at.BLOCKS):
                 note_lacking(block, k)
-        count, least = gather(here, k), math.inf
         if marks(here, at.CURVED)[k] == at.SPARED:
             continue
-        for r in range(count):
-            if lower[ids[r]] != upper[ids[r]]:
-                return False
-        first = cut[min(k, last)]
+        count = weigh(here, k)
+        if count < 0:
+            return False
         if k >= last:
             for i in range(ptr[k], ptr[k + 1]):
-                least = min(least, weights[i] * weights[i])
+                inverse = max(inverse, 1.0 / (weights[i] * weights[i]))
         elif cut[k + 1] - first < count and not repeated(here, there, k, count, first, cut[k + 1], f):
             return False
         else:
-            least = least_of(L, pivot, first, cut[k + 1], vector(here, at.VALUES))
-        some = first > 0 and pushed(here, there, k, first, f)
-        if bound(here, k, k + 1) + (bound(here, head[at.TOP], k) if some else 0.0) <= TRUSTED * least:
+            inverse = inverse_of(here, there, first, cut[k + 1])
+        some = first > 0 and pushes(here, there, k, last, first, f)
+        if (bound(here, k, k + 1) + (bound(here, top, k) if some else 0.0)) * inverse <= TRUSTED:
             continue
-        bent = contract(here, k, k + 1)
-        if some:
-            bent += contract(here, head[at.TOP], k)
-        if bent > TRUSTED * least:
+        if (contract(here, k, k + 1) + (contract(here, top, k) if some else 0.0)) * inverse > TRUSTED:
             return False
     return True

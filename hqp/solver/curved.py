@@ -23,9 +23,10 @@ from ..kernels import curved_layout as at
 from ..kernels import layout as plain
 from ..kernels import solver as kernel_solver
 from ..kernels.active_set import OPTIMAL
+from ..kernels.builtin import runner
 from ..kernels.call import KNOWN, address_of
 from ..kernels.compile import INTERPRETED
-from ..kernels.curved import AT_ONCE, IN_STAGES
+from ..kernels.curved import STAGED
 from ..kernels.ready import SIGNATURE, door, make_ready
 from ..settings import Settings
 from ..solution import Counts, Solution, Stages, Status
@@ -36,6 +37,7 @@ from .solver import DEFAULT_BACKEND, Solver, solve_once
 
 WHAT = "curved levels"
 new = object.__new__
+empty = np.empty
 #: The status of nearly every tick, looked up once.
 OPTIMUM = Status.OPTIMAL
 #: What a loop calls in Python: it gets a directory and numbers, and gives an outcome.
@@ -87,9 +89,10 @@ class CurvedSolver:
             for memory in self._memories:  # loops look at the basis of all levels; of the last one, only where they may
                 memory.head[plain.BASIS] = 1
             self._directories = np.array([memory.address for memory in self._memories], dtype=np.int64)
-            self._quickly, self._strict = address_of(kernel_solver.solve, SIGNATURE), self._memories[-1]
+            self._quickly = address_of(kernel_solver.solve, SIGNATURE)
         self.relinearise(linearisation)
         self._guard, self._failed, self._raised = Guard("the solver"), dict[int, Solution](), list[BaseException]()
+        self._take, self._give = self._guard.take, self._guard.give
         self._zero = np.zeros(hierarchy.n)
         self._zero.flags.writeable = False
         self._always = backend, self.settings, self._tell
@@ -97,10 +100,16 @@ class CurvedSolver:
     def relinearise(self, linearisation: Linearisation) -> None:
         """Use another linearisation of the same hierarchy, with the same levels curved."""
         self._linearisation = linearisation
-        self._work = Work(self._hierarchy, linearisation, self._stages)
-        self._head, self._told, self._last = self._work.head, self._work.told, self._work.last
-        self._run = partial(door(kernel.solve_curved), self._work.address)
+        self._work = work = Work(self._hierarchy, linearisation, self._stages)
+        self._head, self._told = work.head, work.told
+        self._slow_run = partial(door(kernel.solve_curved), work.address)
+        if self._native:
+            self._run = runner(self._memories[-1], kernel.solve_curved, work.address)
         self._ask_for_stages(self._native)
+
+    def know_last(self, known: bool) -> None:
+        """Whether the last x of the linearisation is known from now on; at first it is."""
+        self._work.know_last(known)
 
     def _ask_for_stages(self, native: bool) -> None:
         """Have the loops ask the native solver, or Python, for what they need solved."""
@@ -118,43 +127,28 @@ class CurvedSolver:
 
     def solve(self, hierarchy: Hierarchy) -> Solution:
         """Solve it, as its linearisation is now."""
-        guard = self._guard
         try:
-            guard.take()
+            self._take()
         except IndexError:
-            guard.refuse()
+            self._guard.refuse()
         try:
-            given = hierarchy.numbers.tobytes()  # the proof is about these, even if they are overwritten later
+            numbers = hierarchy.numbers
+            given = numbers.tobytes()  # the proof is about these, even if they are overwritten later
             if self._native:
-                outcome = self._run(hierarchy.address)
-                if outcome == AT_ONCE or outcome <= IN_STAGES:  # as nearly always
+                x = empty(hierarchy.n)
+                told = self._run(numbers, x)
+                if told >= 0:  # as nearly always
                     solution = new(Solution)
                     fields = solution.__dict__
-                    fields["status"] = OPTIMUM
-                    if outcome == AT_ONCE:
-                        fields["x"], sweeps = self._strict.x.copy(), 1
-                    else:
-                        fields["x"], sweeps = self._last.copy(), IN_STAGES - outcome
+                    fields["x"], fields["status"] = x, OPTIMUM
+                    if told & STAGED:
+                        told ^= STAGED
                         fields["_points"] = self._told.copy()
-                    fields["_noted"] = hierarchy, given, self._zero, self._always, sweeps
+                    fields["_noted"] = hierarchy, given, self._zero, self._always, told
                     return solution
-                if outcome == OPTIMAL:
-                    return self._solved(hierarchy, given)
             return self._solve(hierarchy, given)
         finally:
-            guard.give(None)
-            if self._raised:  # in Python, below a loop, through which no exception finds its way
-                raise self._raised.pop()
-
-    def _solved(self, hierarchy: Hierarchy, given: bytes) -> Solution:
-        """What the native solver has just found by iterations."""
-        told = self._head.item
-        if told(at.OPENED) < self._levels:
-            counts = Counts(told(at.SWEEPS), told(at.ITERATIONS))
-            return self._solution(hierarchy, given, self._last.copy(), counts, True)
-        told = self._strict.head.item
-        counts = Counts(told(plain.SWEEPS), told(plain.ITERATIONS))
-        return self._solution(hierarchy, given, self._strict.x.copy(), counts, False)
+            self._give(None)
 
     def _solve(self, hierarchy: Hierarchy, given: bytes) -> Solution:
         """By the backend, stage after stage, asked in Python."""
@@ -162,30 +156,23 @@ class CurvedSolver:
             return self._plain.solve(hierarchy)
         self._failed.clear()
         self._ask_for_stages(native=False)
-        outcome = self._run(hierarchy.address)
+        outcome = self._slow_run(hierarchy.address)
         self._ask_for_stages(self._native)
-        opened = self._head.item(at.OPENED)
-        if opened == self._levels:
+        if self._raised:  # in Python, below a loop, through which no exception finds its way
+            raise self._raised.pop()
+        if self._head.item(at.OPENED) == self._levels:
             solution = self._failed[self._levels]
             solution.__dict__["_noted"] = hierarchy, given, self._zero, self._always, solution.counts
             return solution
         self._failed.pop(self._levels, None)
         last = self._failed[max(self._failed)]
         counts = Counts(*map(sum, zip(*(stage.counts for stage in self._failed.values()), strict=True)))
-        solution = self._solution(hierarchy, given, last.x, counts, True)
-        if outcome != OPTIMAL:
-            told = {"status": last.status, "message": last.message, "level": last.level}
-            solution.__dict__.update(told)
-        return solution
-
-    def _solution(self, hierarchy: Hierarchy, given: bytes, x: Array, counts: Counts, in_stages: bool) -> Solution:
-        """The answer with what its stages are told from, where there were some."""
         solution = new(Solution)
         fields = solution.__dict__
-        fields["x"], fields["status"] = x, OPTIMUM
+        fields["x"], fields["status"], fields["_points"] = last.x, OPTIMUM, self._told.copy()
         fields["_noted"] = hierarchy, given, self._zero, self._always, counts
-        if in_stages:
-            fields["_points"] = self._told.copy()
+        if outcome != OPTIMAL:
+            fields |= {"status": last.status, "message": last.message, "level": last.level}
         return solution
 
     def _tell(self, solution: Solution, told: Array, _: object) -> Stages:

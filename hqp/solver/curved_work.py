@@ -74,8 +74,6 @@ class Work:
         Of the directory.
     told : array
         What tells how levels were softened, in one block to be copied; :meth:`declared` unpacks it.
-    last : array, shape (n,)
-        The x of the last stage.
     """
 
     def __init__(self, hierarchy: Hierarchy, linearisation: Linearisation, stages: Sequence[Hierarchy | None]) -> None:
@@ -134,8 +132,13 @@ class Work:
         for directory in {id(each): each for each in (whole, *blocks)}.values():
             enter(directory, {at.BLOCKS: addresses})
         self.head, self.address = whole[: plain.HEAD], int(whole.ctypes.data)
-        self.last: Array = made[at.POINTS][-1]
+        self._last, self._unknown = linearisation.last, np.full(n, np.nan)
         self.forget()
+
+    def know_last(self, known: bool) -> None:
+        """Have the loops look at the last x of the linearisation, or at one that is NaN."""
+        for _, directory in self._own:
+            enter(directory, {at.LAST: self._last if known else self._unknown})
 
     def forget(self) -> None:
         """Forget which bounds were met, and that stages were needed."""

@@ -97,7 +97,7 @@ class Linearisation:
     aims : array, shape (levels, n)
         The x to which the damping of a level pulls.
     last : array, shape (n,)
-        The x of the step before; NaN if it is not known.
+        The x of the step before.
     singular : str
         Text in explanations for a direction in which x hardly moves a level.
     kept : tuple

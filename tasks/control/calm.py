@@ -66,10 +66,8 @@ def kinds_of(rows: HierarchyWriter, blocks: Components) -> NDArray[np.int64]:
     return kinds
 
 
-def linearised(
-    rows: HierarchyWriter, blocks: Components, dt: float | None, curved: tuple[int, ...], last: Array
-) -> Linearisation:
-    """The linearisation that the rows of a stack come from, as planned now; `last` is x of the previous tick."""
+def linearised(rows: HierarchyWriter, blocks: Components, dt: float | None, curved: tuple[int, ...]) -> Linearisation:
+    """The linearisation that the rows of a stack come from, as planned now; the last x is taken for the present v."""
     from ..base.loops import Table, address, compiled
 
     work, n = rows.work, rows.hierarchy.n
@@ -92,7 +90,7 @@ def linearised(
     paced = paces(gains_of(rows), blocks, dt, len(curved))
     told = curved, *blocks, kinds_of(rows, blocks)
     return Linearisation(
-        *told, errors, contractions, unknown, S, *paced, rows.aims.every, last, STRAIGHT, (tables, work)
+        *told, errors, contractions, unknown, S, *paced, rows.aims.every, rows.shared.v, STRAIGHT, (tables, work)
     )
 
 
@@ -146,7 +144,7 @@ class CalmSolver:
         self, rows: HierarchyWriter, dt: float | None, curved: tuple[int, ...], backend: str, settings: Settings | None
     ) -> None:
         self.backend = backend
-        self._rows, self._dt, self._last = rows, dt, np.full(rows.hierarchy.n, np.nan)
+        self._rows, self._dt = rows, dt
         self._blocks = blocks = components(rows.work, rows.shared.robot, rows.hierarchy.m)
         damped = kinds_of(rows, blocks) == 1
         self._curved = tuple(np.where(damped.any(axis=0), 1, curved).tolist())
@@ -154,36 +152,46 @@ class CalmSolver:
         rows.brake((k for k, kind in enumerate(self._curved) if kind == 1), ends, blocks)
         self._ends, self._reached = ends, np.zeros(rows.hierarchy.n)
         self._linearise()
+        self._known: bool | None = None  # whether the last x is: not told yet
         self._solver = CurvedSolver(rows.hierarchy, self._linearisation, backend, settings)
 
     def _linearise(self) -> None:
         """Take the linearisation of the rows as they are planned now."""
         rows = self._rows
-        self._linearisation = linearised(rows, self._blocks, self._dt, self._curved, self._last)
+        self._linearisation = linearised(rows, self._blocks, self._dt, self._curved)
         self._passes = passing(rows, self._reached)
         self._planned, self._tuned, self._gains = rows.planned, rows.tuned, gains_of(rows)
 
-    def solve_at(self, state: RobotState, t: float, last: Array | None) -> Solution:
+    def solve_at(self, state: RobotState, t: float, known: bool) -> Solution:
         """The solution at this state and time t [s].
 
-        `last` is the x of the previous tick, None or NaN if it is unknown. Where joints that come to rest gently at the
-        ends of their ranges keep a limit in space from being met, they stop as hard as they have to.
+        `known` tells whether the v of the state is the x of the previous tick. Where joints that come to rest gently at
+        the ends of their ranges keep a limit in space from being met, they stop as hard as they have to.
         """
-        rows, envelope = self._rows, self._rows.shared.envelope
-        solution = self.solve(rows.fill(state, t), last)
+        rows = self._rows
+        hierarchy = rows.fill(state, t)
+        if known is not self._known or self._planned != rows.planned or self._tuned != rows.tuned:
+            self._keep_up(known)
+        solution = self._solver.solve(hierarchy)
         if self._passes is None:
             return solution
+        envelope = rows.shared.envelope
         self._reached[:] = solution.x
         if not self._passes() or np.isinf(envelope.eased):
             return solution
         envelope.ease_ends(np.full_like(self._ends, np.inf))
         try:
-            return self.solve(rows.fill(state, t), last)
+            return self._solver.solve(rows.fill(state, t))
         finally:
             envelope.ease_ends(self._ends)
 
-    def solve(self, hierarchy: Hierarchy, last: Array | None = None) -> Solution:
+    def solve(self, hierarchy: Hierarchy) -> Solution:
         """Solve the rows as they are filled now."""
+        self._keep_up(False)
+        return self._solver.solve(hierarchy)
+
+    def _keep_up(self, known: bool) -> None:
+        """Take up whether the last x is known, and what has changed in the rows."""
         rows = self._rows
         if self._planned != rows.planned:
             self._linearise()
@@ -194,5 +202,5 @@ class CalmSolver:
                 self._gains, self._blocks, self._dt, len(self._curved)
             )
             self._tuned = rows.tuned
-        self._last[:] = np.nan if last is None or self._dt is None else last
-        return self._solver.solve(hierarchy)
+        self._known = known
+        self._solver.know_last(known and self._dt is not None)

@@ -270,11 +270,11 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
         self, q: Array, v: Array | None, t: float, refused: str | None = None
     ) -> Step[Velocity, Acceleration, Torque]:
         state, fault = self._states.read(q, self._rest if v is None else v)
-        last = v if self.order == "velocity" else None
-        solution = self._now.solve(state, t, last, fault or refused)
+        known = v is not None and self.order == "velocity"
+        solution = self._now.solve(state, t, known, fault or refused)
         x, share = solution.x, 1.0
         if self._transition is not None and solution.ok:
-            x, share = self._transition.blend(state, t, x, last)
+            x, share = self._transition.blend(state, t, x, known)
             if share >= 1.0:
                 self._transition = None
             elif self._limits is not None:

@@ -12,7 +12,6 @@ import hqp
 from hqp import InvalidInput, Settings, Solution, Solver
 from hqp.errors import brief
 
-from ..base.checks import Array
 from ..base.telling import tell
 from ..robots.robot import Robot, RobotState, limit_of
 from ..rows.hierarchy_writer import HierarchyWriter
@@ -72,15 +71,15 @@ class PreparedStack:
         self.stack, self.rows, self.solver = stack, rows, solver
         self.forces = ForcePlaces(rows) if rows.unknowns.blocks else None
 
-    def solve(self, state: RobotState, t: float, last: Array | None, fault: str | None = None) -> Solution:
+    def solve(self, state: RobotState, t: float, known: bool, fault: str | None = None) -> Solution:
         """The solution at this state and time t [s].
 
         Parameters
         ----------
         state : RobotState
         t : float
-        last : array, shape (n,), or None
-            The x of the previous tick; None if it is unknown.
+        known : bool
+            Whether the v of the state is the x of the previous tick.
         fault : str, optional
             An error of the state: the status is then INVALID, with this message.
         """
@@ -88,7 +87,7 @@ class PreparedStack:
         if fault is None and isfinite(t):
             if isinstance(self.solver, Solver):
                 return self.solver.solve(rows.fill(state, t), aims=rows.aims.by_level)
-            return self.solver.solve_at(state, t, last)
+            return self.solver.solve_at(state, t, known)
         rows.hierarchy.lower.fill(np.nan)  # NaN in every bound makes the solution INVALID
         return replace(self.solver.solve(rows.hierarchy), message=fault or f"t = {t} s must be finite")
 

@@ -96,7 +96,7 @@ class Transition:
         earlier = [] if self.before is None else self.before.history()
         return [*earlier, (self.old.stack, self.duration, self.law, deepcopy(self.since))]
 
-    def blend(self, state: RobotState, t: float, new: Array, last: Array | None) -> tuple[Array, float]:
+    def blend(self, state: RobotState, t: float, new: Array, known: bool) -> tuple[Array, float]:
         """The command between the answers of both stacks, and the share of the new one.
 
         If the old stack has no answer, only the new one is used.
@@ -104,8 +104,8 @@ class Transition:
         s = self.share(t)
         if s >= 1.0:
             return new, 1.0
-        solution = self.old.solve(state, t, last)
+        solution = self.old.solve(state, t, known)
         if not solution.ok:
             return new, 1.0
-        old = solution.x if self.before is None else self.before.blend(state, t, solution.x, last)[0]
+        old = solution.x if self.before is None else self.before.blend(state, t, solution.x, known)[0]
         return (1.0 - s) * old + s * new, s

@@ -71,3 +71,29 @@ def carried_in_tree(tree: NDArray[np.int64]) -> NDArray[np.int64]:
     """The pairs of all chains of a robot; see :func:`carried`."""
     pairs = [tuple(pair) for b, places in enumerate(tree) for pair in carried(places) if pair[1] == b]
     return np.array(sorted(pairs), dtype=np.int64).reshape(-1, 3)
+
+
+def joint_by_joint(pairs: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """What :func:`carried` or :func:`carried_in_tree` tells, joint by joint, each after those that carry it.
+
+    Returns
+    -------
+    chain : array of int, shape (joints, 3)
+        The joint that carries each directly, -1 if none does, and where its velocities begin and end.
+    velocities : array of int
+    """
+    above: dict[int, set[int]] = {b: set() for b in pairs[:, 1].tolist()}
+    first = {b: b for b in above}
+    for a, b, one in pairs.tolist():
+        if one:
+            first[b] = min(first[b], a)
+        elif a != b:
+            above[b].add(a)
+    velocities = sorted(above, key=lambda b: (len(above[b]), first[b], b))
+    heads = [p for p, b in enumerate(velocities) if first[b] == b]
+    number = {velocities[p]: joint for joint, p in enumerate(heads)}
+    chain = [
+        (number[first[max(above[velocities[p]], key=lambda a: len(above[a]))]] if above[velocities[p]] else -1, p, end)
+        for p, end in zip(heads, [*heads, len(velocities)][1:], strict=True)
+    ]
+    return np.array(chain, dtype=np.int64).reshape(-1, 3), np.array(velocities, dtype=np.int64)

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.checks import Array
-from ..robots.chain import Branched, carried, carried_in_tree, chain_order
+from ..robots.chain import Branched, carried, carried_in_tree, chain_order, joint_by_joint
 from ..robots.kernels import block as at
 
 if TYPE_CHECKING:
@@ -74,22 +74,24 @@ def center_of_mass_curvature(shared: Workspace, relative_to: str | None = None) 
     tree = robot.tree_order() if isinstance(robot, Branched) else None
     if axes is None or tree is None:
         return None
-    block = shared.blocks.center_of_mass()
-    from ..base.loops import Table
-
-    pairs = carried_in_tree(tree)
-    motion = Table(shared.n, block, axes[3:], 6, 1, len(pairs), pairs)
+    motion = _motion(shared.n, shared.blocks.center_of_mass(), axes[3:], (6, 1), carried_in_tree(tree))
     return _seen(shared, motion, shared.blocks.center_of_mass(relative_to), relative_to)
 
 
 def _of_block(shared: Workspace, block: Array, places: NDArray[np.int64] | None) -> Table | None:
     """The curvature of the motion of a frame in the world, by its block."""
-    from ..base.loops import Table
-
     if places is None:
         return None
-    n, pairs = shared.n, carried(places)
-    return Table(n, block, block[at.JACOBIAN + 3 * n :], 1, n, len(pairs), pairs)
+    return _motion(shared.n, block, block[at.JACOBIAN + 3 * shared.n :], (1, shared.n), carried(places))
+
+
+def _motion(n: int, block: Array, axes: Array, strides: tuple[int, int], pairs: NDArray[np.int64]) -> Table:
+    """The table of a frame in the world, see :mod:`tasks.robots.kernels.curvature`."""
+    from ..base.loops import Table
+
+    chain, velocities = joint_by_joint(pairs)
+    sums = np.zeros((len(chain) + 1, 6))
+    return Table(n, block, axes, *strides, len(pairs), pairs, len(chain), chain, velocities, sums)
 
 
 def _seen(shared: Workspace, motion: Table | None, block: Array, relative_to: str | None) -> Table | None:

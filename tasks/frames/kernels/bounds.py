@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 
-from hqp.kernels.compile import entry, inner, stamp
+from hqp.kernels.compile import entry, inner, integer, stamp
 from hqp.kernels.memory import floats, ints
 
 from ...robots.kernels import block as at
@@ -32,53 +32,65 @@ SHARE = 0.05
 
 
 @inner
-def linear_pairs(frame):
-    """F_p: its entries xx, yy, zz, xy, xz, yz."""
-    told = ints(frame, 0, bend.LENGTH)
-    n, across, down = told[bend.N], told[bend.ACROSS], told[bend.DOWN]
-    J = floats(told[bend.BLOCK], at.JACOBIAN, 3 * n)
-    z = floats(told[bend.AXES], 0, (n - 1) * across + 2 * down + 1)
-    pairs = ints(told[bend.PAIRS], 0, 3 * told[bend.COUNT])
-    xx = yy = zz = xy = xz = yz = 0.0
-    for k in range(told[bend.COUNT]):
-        a, b, one = pairs[3 * k], pairs[3 * k + 1], pairs[3 * k + 2] != 0
-        i, twice = a * across, 1.0 if a == b else 2.0
-        x, y, w, u, v, t = z[i], z[i + down], z[i + 2 * down], J[b], J[n + b], J[2 * n + b]
-        p, q, r = y * t - w * v, w * u - x * t, x * v - y * u
-        if one:  # half of both ways round
-            j = b * across
-            x, y, w, u, v, t = z[j], z[j + down], z[j + 2 * down], J[a], J[n + a], J[2 * n + a]
-            p, q, r = 0.5 * (p + y * t - w * v), 0.5 * (q + w * u - x * t), 0.5 * (r + x * v - y * u)
-        xx += twice * p * p
-        yy += twice * q * q
-        zz += twice * r * r
-        xy += twice * p * q
-        xz += twice * p * r
-        yz += twice * q * r
-    return xx, yy, zz, xy, xz, yz
+def outer(x, y, z):
+    """The symmetric matrix c c' of c = (x, y, z), by its entries xx, yy, zz, xy, xz, yz."""
+    return x * x, y * y, z * z, x * y, x * z, y * z
 
 
 @inner
-def angular_pairs(frame):
-    """F_omega, likewise: nothing of axes of one joint."""
+def plus(one, share, other):
+    """A symmetric matrix, and a share of another one."""
+    (a, b, c, d, e, f), (g, h, k, o, p, q) = one, other
+    return a + share * g, b + share * h, c + share * k, d + share * o, e + share * p, f + share * q
+
+
+@inner
+def crossed(x, y, z, form):
+    """The matrix C W C' of a symmetric matrix W, where C v = (x, y, z) x v."""
+    xx, yy, zz, xy, xz, yz = form
+    return (
+        y * (y * zz - z * yz) - z * (y * yz - z * yy),
+        z * (z * xx - x * xz) - x * (z * xz - x * zz),
+        x * (x * yy - y * xy) - y * (x * xy - y * xx),
+        z * (y * xz - z * xy) - x * (y * zz - z * yz),
+        x * (y * yz - z * yy) - y * (y * xz - z * xy),
+        x * (z * xy - x * yz) - y * (z * xx - x * xz),
+    )
+
+
+@inner
+def form_of(frame, angular):
+    """F_p, or 4 F_omega, by its entries.
+
+    For each b the z_a that carry it count as one matrix, which is handed on from joint to joint: only the axes of one
+    joint are met in pairs.
+    """
     told = ints(frame, 0, bend.LENGTH)
-    n, across, down = told[bend.N], told[bend.ACROSS], told[bend.DOWN]
-    z = floats(told[bend.AXES], 0, (n - 1) * across + 2 * down + 1)
-    pairs = ints(told[bend.PAIRS], 0, 3 * told[bend.COUNT])
-    xx = yy = zz = xy = xz = yz = 0.0
-    for k in range(told[bend.COUNT]):
-        if pairs[3 * k + 2] != 0:
-            continue
-        i, j = pairs[3 * k] * across, pairs[3 * k + 1] * across
-        x, y, w, u, v, t = z[i], z[i + down], z[i + 2 * down], z[j], z[j + down], z[j + 2 * down]
-        p, q, r = y * t - w * v, w * u - x * t, x * v - y * u
-        xx += p * p
-        yy += q * q
-        zz += r * r
-        xy += p * q
-        xz += p * r
-        yz += q * r
-    return 0.5 * xx, 0.5 * yy, 0.5 * zz, 0.5 * xy, 0.5 * xz, 0.5 * yz  # a quarter, and every pair twice
+    n, across, down, count = told[bend.N], told[bend.ACROSS], told[bend.DOWN], told[bend.JOINTS]
+    z, sums = floats(told[bend.AXES], 0, (n - 1) * across + 2 * down + 1), floats(told[bend.SUMS], 0, 6 * count + 6)
+    chain, velocities = ints(told[bend.CHAIN], 0, 3 * count), ints(told[bend.VELOCITIES], 0, n)
+    J, along, apart = floats(told[bend.BLOCK], at.JACOBIAN, 3 * n), integer(1), n
+    if angular:
+        J, along, apart = z, across, down
+    form = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for joint in range(count):
+        i, begin, end = 6 * chain[3 * joint] + 6, chain[3 * joint + 1], chain[3 * joint + 2]
+        above = sums[i], sums[i + 1], sums[i + 2], sums[i + 3], sums[i + 4], sums[i + 5]
+        total = above
+        for m in range(begin, end):
+            i, j = velocities[m] * across, velocities[m] * along
+            x, y, w, u, v, t = z[i], z[i + down], z[i + 2 * down], J[j], J[j + apart], J[j + 2 * apart]
+            own = outer(x, y, w)
+            total = plus(total, 1.0, own)
+            form = plus(form, 1.0, crossed(u, v, t, plus(own, 2.0, above)))
+            for o in range(end if angular else m + 1, end):  # half of both ways round, and twice its square
+                i, j = velocities[o] * across, velocities[o] * along
+                a, b, c, d, e, f = z[i], z[i + down], z[i + 2 * down], J[j], J[j + apart], J[j + 2 * apart]
+                p, q, r = y * f - w * e + b * t - c * v, w * d - x * f + c * u - a * t, x * e - y * d + a * v - b * u
+                form = plus(form, 0.5, outer(p, q, r))
+        i = 6 * joint + 6
+        sums[i], sums[i + 1], sums[i + 2], sums[i + 3], sums[i + 4], sums[i + 5] = total
+    return form
 
 
 @inner
@@ -111,7 +123,7 @@ def bound_placement(here):
         angular += first + mask[r] >= 3
     scale = 2.0 if linear > 0 and angular > 0 else 1.0
     if linear > 0:
-        add_form(linear_pairs(seen[bend.FRAME]), scale, 0, first, mask, rows, F)
+        add_form(form_of(seen[bend.FRAME], False), scale, 0, first, mask, rows, F)
     if angular == 0:
         return 0
     square, turned, axes = 0.0, 0.0, floats(seen[bend.SEEN], at.JACOBIAN + 3 * n, 3 * n)
@@ -121,7 +133,7 @@ def bound_placement(here):
     for k in range(3 * n):
         turned += axes[k] * axes[k]
     beta = told_as.longer(0.5 * math.sqrt(square)) * math.sqrt(square) * turned
-    add_form(angular_pairs(seen[bend.FRAME]), scale * (1.0 + SHARE), 3, first, mask, rows, F)
+    add_form(form_of(seen[bend.FRAME], True), 0.25 * scale * (1.0 + SHARE), 3, first, mask, rows, F)
     for r in range(rows):
         if first + mask[r] >= 3:
             F[(rows + 1) * r] += scale * (1.0 + 1.0 / SHARE) * beta * beta

@@ -28,9 +28,11 @@ from . import block as at
 
 #: Table of a frame in the world: unknowns; its block; the axes of the joints, the stride from one axis to the next and
 #: from one coordinate to the next; number of pairs of joints, and the pairs: carrying joint, carried joint, and whether
-#: they are the same joint; in the order of the first.
-N, BLOCK, AXES, ACROSS, DOWN, COUNT, PAIRS = range(7)
-LENGTH = 7
+#: they are the same joint; in the order of the first. The same joint by joint: how many there are; which one carries
+#: each directly (-1: none) and where its velocities begin and end, (joints, 3), what carries comes first; the
+#: velocities; and room for sums, (joints + 1, 6).
+N, BLOCK, AXES, ACROSS, DOWN, COUNT, PAIRS, JOINTS, CHAIN, VELOCITIES, SUMS = range(11)
+LENGTH = 11
 #: Table of a frame seen from another one, its root: the tables of both in the world (0: no root), and the block.
 FRAME, ROOT, SEEN = range(3)
 #: Velocities y (9,): linear and angular of the frame, as the root sees it; angular of the root, in its own axes.
