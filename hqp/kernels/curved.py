@@ -25,7 +25,7 @@ from .memory import floats, given, ints, marks, matrix, vector
 from .redundant import least_apart
 from .solver import SUSPECT
 from .stage import write_damping, write_stage
-from .trust import crowded, quiet
+from .trust import crowded, jumps, quiet
 from .valid import valid
 
 #: Outcomes beside those of the solver. The strict answer is the optimum, and one sweep without iterations has found it;
@@ -47,7 +47,7 @@ LEAN, LEAN_BELOW = 0.0316, 0.6
 BRAKED = 0.1
 #: The c in the metric of the lean, G'G + P + c |J|^2: as a rule; and if the last x moves along bounds, on the first
 #: level and below it. Near bounds it is in between, as their geometric mean: the lag of weak directions grows like c.
-ALIKE, ALIKE_AT_BOUNDS, ALIKE_BELOW = 0.06, 0.45, 1.0
+ALIKE, ALIKE_AT_BOUNDS, ALIKE_BELOW = 0.06, 0.85, 1.0
 
 
 @inner
@@ -255,12 +255,12 @@ def solve_stages(here, begun):
 
 @inner
 def crowd(here, strict):
-    """Set the gate of every block: how close the strict answer moves along bounds; returns the largest."""
+    """Set the gate of every block: how much the strict answer jumps at bounds; returns the largest."""
     x, gate = vector(marks(here, at.DIRECTORIES)[ints(here, 0, plain.HEAD)[plain.LEVELS]], plain.X), 0.0
     known = vector(here, at.LAST)[0] == vector(here, at.LAST)[0]
     for block in marks(here, at.BLOCKS):
         note_bounds(block)
-        own = 0.0 if not known else crowded(block, x) if strict == OPTIMAL else 1.0
+        own = 0.0 if not known else jumps(block, x) if strict == OPTIMAL else 1.0
         vector(block, at.SO_FAR)[at.GATE] = own
         gate = max(gate, own)
     return gate
@@ -278,7 +278,7 @@ def look(here):
 def needs_no_strict(here):
     """Whether the strict answer matters to no stage; the first curved level is then prepared.
 
-    Of the strict answer stages take how close it moves along bounds, which matters to a gate below 1, and what is held
+    Of the strict answer stages take how much it jumps at bounds, which matters to a gate below 1, and what is held
     above the first of them. So it is left out where neither is the case, if that was so in the last solve, too.
     """
     head, so_far = ints(here, 0, plain.HEAD), vector(here, at.SO_FAR)
