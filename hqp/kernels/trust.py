@@ -17,9 +17,10 @@ from .memory import ints, marks, matrix, vector
 from .redundant import BALANCED, across, has_unknown, longest, weight_of
 from .solver import levels_that_count
 
-#: Share of its range within which a row is near a bound, and the power with which the nearness counts: of the strict
-#: answer, where a smaller power holds back motions in reach that come near a bound; and of the last x that leaves one.
+#: Share of its range within which a row of the strict answer is near a bound, and the power with which the nearness
+#: counts. A smaller power holds back motions in reach that come near a bound.
 NEAR, SOONER = 0.2, 3
+#: The same of the last x, which leaves a bound. With a larger share a hand that trembles in reach leans, too.
 LEFT_BEHIND, EVENLY = 0.4, 1
 #: A leap of 1 is the first step of a variable at its bound that dies away at the rate of the fastest task. Up to the
 #: first of these leaps the strict answer follows the last x smoothly; from the second on it jumps.
