@@ -117,3 +117,59 @@ def test_gentle_ends_of_ranges_yield_to_limits_in_space(seed: int) -> None:
     assert lacks[0] <= lacks[1] + 1e-9
     assert gentle.solution.certify().ok
     assert (np.abs(q + 0.005 * gentle.v) <= 2.6 + 1e-12).all()
+
+
+def smooth(damping: str | None) -> np.ndarray:
+    """Joint speeds, shape (ticks, 3), of an arm that swings in reach, a joint at up to 0.92 of its speed limit."""
+    robot, q, dt, rate = PlanarArm([0.5, 0.4, 0.3], velocity_limit=2.0), np.array([-0.8, 1.0, 0.7]), 0.005, 2.0
+    fastest = 0.92 * robot.velocity_limit[0]
+    x, y, about = robot.at(q).pose
+
+    def swung(t: float) -> tuple[float, float, float]:
+        return fastest / rate * np.sin(rate * t), fastest * np.cos(rate * t), -rate * fastest * np.sin(rate * t)
+
+    def tip(t: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        a, w, _ = swung(t)
+        place = np.array([np.cos(a) * x - np.sin(a) * y, np.sin(a) * x + np.cos(a) * y])
+        return place, w * np.array([-place[1], place[0]]), np.zeros(2)
+
+    def turn(t: float) -> tuple[np.ndarray, ...]:
+        a, *rates = swung(t)
+        return tuple(np.array([value]) for value in (about + a, *rates))
+
+    stack = (
+        JointLimits() >> PositionTask(tip, gain=20.0) >> OrientationTask(turn, gain=20.0) >> PostureTask(q, gain=1.0)
+    )
+    controller, v, speeds = Controller(robot, stack, dt=dt, damping=damping), np.array([fastest, 0.0, 0.0]), []
+    for k in range(int(2.0 * np.pi / rate / dt)):
+        v = controller(q, v, dt * k).v
+        q = q + dt * v
+        speeds.append(v)
+    return np.array(speeds)
+
+
+def test_a_smooth_motion_along_bounds_is_not_held_back() -> None:
+    """A joint near its speed limit that the strict answer does not make jump."""
+    speeds = smooth(None)
+    assert np.abs(speeds).max() > 0.9 * 2.0
+    np.testing.assert_allclose(smooth("curvature"), speeds, atol=1e-9)
+
+
+def hardest(far: float, damping: str | None) -> float:
+    """The largest jerk with which the joint speeds of an arm leave their limits as it arrives [rad/s^3]."""
+    robot, q, v, dt = PlanarArm([0.5, 0.4, 0.3], velocity_limit=2.0), np.array([-0.8, 1.0, 0.7]), np.zeros(3), 0.005
+    goal, speeds = q + np.array([far, 0.0, 0.0]), []
+    *place, about = robot.at(goal).pose
+    stack = JointLimits() >> OrientationTask(about, gain=20.0) >> PositionTask(place, gain=20.0)
+    controller = Controller(robot, stack >> PostureTask(goal, gain=1.0), dt=dt, damping=damping)
+    for _ in range(int((far / 2.0 + 0.5) / dt)):
+        v = controller(q, v).v
+        q = q + dt * v
+        speeds.append(v)
+    np.testing.assert_allclose(q, goal, atol=1e-4)
+    return float(np.abs(np.diff(speeds[30:], n=2, axis=0)).max() / dt**2)
+
+
+@pytest.mark.parametrize("far", [0.8, 1.2])
+def test_joints_leave_their_speed_limits_with_half_the_jerk(far: float) -> None:
+    assert hardest(far, "curvature") < 0.55 * hardest(far, None)

@@ -258,7 +258,7 @@ def test_after_phi_is_lost_the_damped_law_turns_joint_2_back_once_at_most():
 
 
 def test_under_the_default_damping_joint_2_meets_the_loss_of_phi_without_a_jump():
-    """It has no number of the scenario; its jerk is 0.10 rad/s^3, that of the strict stack 5."""
+    """It has no number of the scenario; its jerk is 0.09 rad/s^3, that of the strict stack 5."""
     item = scenario("4.3")
     controller = Controller(item.arm, laws.LIMITS.stack(item), order="acceleration", dt=item.tick)
     record = simulate(controller, item.q0, duration=item.duration, certify=500)

@@ -35,7 +35,7 @@ DEPENDENT = 1e-10
 YIELDS = 0.1
 #: How often the curvatures of the rows above count in the damping. Across these rows x swings, with the lean as a mass
 #: and their curvatures as a spring, of which the multipliers tell only a part where the rows give way.
-AGAIN = 2.0
+AGAIN = 2.3
 
 
 @inner
@@ -184,7 +184,7 @@ def add_bent(here, d, given, negative):
 
 @inner
 def bend(here, k, count, d, above, least, damped):
-    r"""Write the damping ``P`` of level k (d, d): :math:`P = [2 |S_u| + [S_o]_+ + \sqrt\alpha [S_o]_- - G^T G]_+`.
+    r"""Write the damping ``P`` of level k (d, d): :math:`P = [2.3 |S_u| + [S_o]_+ + \sqrt\alpha [S_o]_- - G^T G]_+`.
 
     `least` is the smallest squared singular value of G. Where the norms of the curvatures alone, or their bounds, are
     small enough, P is 0 and nothing else is computed. Returns the largest eigenvalue of P, and the ratio of the

@@ -1,4 +1,4 @@
-"""How close x moves along its bounds: there the strict answer of a curved hierarchy is not taken unchanged."""
+"""How much x jumps at its bounds: there the strict answer of a curved hierarchy is not taken unchanged."""
 
 from __future__ import annotations
 
@@ -11,25 +11,32 @@ from .compile import inner
 from .curved_rows import note_bounds, value_at
 from .memory import ints, marks, matrix, vector
 
-#: Share of its range within which a row is near a bound, and the power with which the nearness counts. With a smaller
-#: power the lean lets go of x more slowly as it leaves a bound, and holds back motions in reach that come near one: by
-#: 0.6 mm the centre of mass of a humanoid that squats.
+#: Share of its range within which a row of the strict answer is near a bound, and the power with which the nearness
+#: counts. A smaller power holds back motions in reach that come near a bound.
 NEAR, SOONER = 0.2, 3
+#: The same of the last x, which leaves a bound. With a larger share a hand that trembles in reach leans, too.
+LEFT_BEHIND, EVENLY = 0.4, 1
+#: A leap of 1 is the first step of a variable at its bound that dies away at the rate of the fastest task. Up to the
+#: first of these leaps the strict answer follows the last x smoothly; from the second on it jumps.
+SMOOTH, JUMP = 0.2, 0.7
 #: Larger values of the last x count as unknown: their squares are too large for a hierarchy.
 FASTEST = 1e12
 
 
 @inner
-def moves_along(value, low, high):
-    """How close a value moves along its bounds low .. high: 0 away from them, or NaN; 1 at one of them."""
+def moves_along(value, low, high, share, power):
+    """How close a value moves along its bounds low .. high: 0 away from them, or NaN; 1 at one of them.
+
+    It is near within this `share` of its range, and the nearness counts with this `power`.
+    """
     room = high - low
     if not room > 0.0 or room == math.inf:
         return 0.0
     near = min(value - low, high - value) / room
-    if not near < NEAR:
+    if not near < share:
         return 0.0
     moving = min(1.0, 2.0 * abs(value) / max(abs(low), abs(high)))  # a value at rest at its bound does not count
-    return moving * min(1.0, 1.0 - near / NEAR) ** SOONER
+    return moving * min(1.0, 1.0 - near / share) ** power
 
 
 @inner
@@ -74,13 +81,39 @@ def crowded(here, x):
     least, most, columns, gate = vector(here, at.LEAST), vector(here, at.MOST), marks(here, at.COLUMNS), 0.0
     for p in range(len(columns)):
         j = columns[p]
-        gate = max(gate, moves_along(x[j], least[j], most[j]))
+        gate = max(gate, moves_along(x[j], least[j], most[j], NEAR, SOONER))
     for p in range(marks(here, at.OWN_OF)[ints(here, 0, plain.HEAD)[at.TOP]]):
         i = marks(here, at.OWN)[p]
         if col[i] < 0:
             low, high = ends_of(here, i)
-            gate = max(gate, moves_along(value_at(here, i, x), low, high))
+            gate = max(gate, moves_along(value_at(here, i, x), low, high, NEAR, SOONER))
     return gate
+
+
+@inner
+def jumps(here, x):
+    """How much the strict answer x (n,) jumps at bounds: 1 if it has to lean on the last x in full, 0 if not at all.
+
+    It does where it moves along bounds, or the last x does and x leaves them, as far as a variable leaps: what begins
+    or ends smoothly is not held back. Without any bound nothing tells what a leap is, and nearness alone counts.
+    """
+    last, least, most, columns = (
+        vector(here, at.LAST),
+        vector(here, at.LEAST),
+        vector(here, at.MOST),
+        marks(here, at.COLUMNS),
+    )
+    a_tick, farthest, left, bounded = vector(here, at.SHARES)[ints(here, 0, plain.HEAD)[at.TOP]], 0.0, 0.0, False
+    for p in range(len(columns)):
+        j = columns[p]
+        size = a_tick * max(abs(least[j]), abs(most[j]))
+        bounded = bounded or 0.0 < size < math.inf
+        step = abs(x[j] - last[j])
+        if SMOOTH * size < step and size > 0.0:  # an infinite size is passed by
+            leap = min(1.0, (step / size - SMOOTH) / (JUMP - SMOOTH))
+            farthest = max(farthest, leap)
+            left = max(left, leap * moves_along(last[j], least[j], most[j], LEFT_BEHIND, EVENLY))
+    return max(left, (farthest if bounded else 1.0) * crowded(here, x))
 
 
 @inner
@@ -94,12 +127,12 @@ def knows_last(here):
 
 @inner
 def crowd(here, strict):
-    """Set the gate of every block: how close the strict answer moves along bounds; returns the largest."""
+    """Set the gate of every block: how much the strict answer jumps at bounds; returns the largest."""
     x, gate = vector(marks(here, at.DIRECTORIES)[ints(here, 0, plain.HEAD)[plain.LEVELS]], plain.X), 0.0
     known = knows_last(here)
     for block in marks(here, at.BLOCKS):
         note_bounds(block)
-        own = 0.0 if not known else crowded(block, x) if strict == OPTIMAL else 1.0
+        own = 0.0 if not known else jumps(block, x) if strict == OPTIMAL else 1.0
         vector(block, at.SO_FAR)[at.GATE] = own
         gate = max(gate, own)
     return gate

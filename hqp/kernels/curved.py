@@ -45,7 +45,7 @@ LEAN, LEAN_BELOW = 0.0316, 0.6
 BRAKED = 0.1
 #: The c in the metric of the lean, G'G + P + c |J|^2: as a rule; and if the last x moves along bounds, on the first
 #: level and below it. Near bounds it is in between, as their geometric mean: the lag of weak directions grows like c.
-ALIKE, ALIKE_AT_BOUNDS, ALIKE_BELOW = 0.06, 0.45, 1.0
+ALIKE, ALIKE_AT_BOUNDS, ALIKE_BELOW = 0.06, 0.85, 1.0
 
 
 @inner
@@ -253,7 +253,7 @@ def look(here):
 def needs_no_strict(here):
     """Whether the strict answer matters to no stage; the first curved level is then prepared.
 
-    Of the strict answer stages take how close it moves along bounds, which matters to a gate below 1, and what is held
+    Of the strict answer stages take how much it jumps at bounds, which matters to a gate below 1, and what is held
     above the first of them. So it is left out where neither is the case, if that was so in the last solve, too.
     """
     head, so_far = ints(here, 0, plain.HEAD), vector(here, at.SO_FAR)

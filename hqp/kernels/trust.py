@@ -1,6 +1,6 @@
 """Decides whether the strict answer of a curved hierarchy can be taken unchanged, as in almost every tick.
 
-It can if no level needs damping by its curvature, and x does not move along bounds (:mod:`.crowding`).
+It can if no level needs damping by its curvature, and x does not jump at bounds (:mod:`.crowding`).
 """
 
 from __future__ import annotations

@@ -37,7 +37,7 @@ SAYS = {
     "12_torque_limited_panda": "slow: hand at most 0.68 mm off",
     "14_welding": "tip off by at most  0.35 mm, torch by 20.8",
     "15_spraying": "square first gun off by at most 74.2",
-    "16_snake_arm": "body clear nearest  10.5",
+    "16_snake_arm": "body clear nearest  10.3",
     "17_inspection": "pipes known   nearest  34.1",
     "18_biped_lifts_a_foot": "25 of 25 checked ticks certified); 1250 optimal",
     "19_quadruped_is_pushed": "30 of 30 checked ticks certified); 1500 optimal",
