@@ -139,3 +139,27 @@ def test_a_humanoid_that_squats_in_reach_follows_as_closely_as_strict(robot: str
         record = simulate(Controller(robot, stack, dt=DT, damping=damping), robot.home, duration=3.0)
         off.append(np.linalg.norm(record.errors[squat.name][round(1.0 / DT) :], axis=1).max())
     assert off[0] <= off[1] + 2e-4
+
+
+def test_a_humanoid_whose_ankles_stop_as_it_squats_lags_only_where_strict_jumps() -> None:
+    """Without a task of its pelvis its waist takes over, at once in the strict stack."""
+    robot, height = load_robot("g1"), 0.05
+    start = robot.at(robot.home)
+    middle = start.center_of_mass.position - [0.0, 0.0, 1.6 * height]
+    off, jerks = [], []
+    for damping in "curvature", None:
+        stand = [PoseTask.hold(start, frame=f"{side}_ankle_roll_link", gain=100.0, name=side) for side in SIDES]
+        squat = CenterOfMassTask(swing(middle, [0.0, 0.0, height], np.pi), gain=10.0)
+        hands = [
+            PositionTask(start.frame(frame).position - [0.1, 0.0, 0.1], frame=frame, gain=3.0, name=frame)
+            for frame in map("{}_wrist_yaw_link".format, SIDES)
+        ]
+        stack = JointLimits() >> stand[0] + stand[1] >> squat >> hands[0] + hands[1]
+        stack = stack >> PostureTask(robot.home, gain=1.0)
+        record = simulate(Controller(robot, stack, dt=DT, damping=damping), robot.home, duration=3.0)
+        late = np.linalg.norm(record.errors[squat.name], axis=1)[round(1.0 / DT) :]
+        off.append([late.max(), late[round(1.0 / DT) :].max()])
+        jerks.append(rms(np.diff(record.v[round(1.0 / DT) :], n=2, axis=0) / DT**2))
+    assert off[0][0] <= off[1][0] + 0.01  # while the ankles stand at their ends
+    assert off[0][1] <= off[1][1] + 2e-4  # and not a second later
+    assert jerks[0] <= 0.3 * jerks[1]
