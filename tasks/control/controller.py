@@ -81,11 +81,10 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
     >>> step = controller([1.1, -1.3, -0.7])
     >>> step.v.round(3), step.solution.certify().ok
     (array([ 2.   , -1.191,  0.61 ]), True)
-    >>> print(step.solution.explain())  # doctest: +NORMALIZE_WHITESPACE
+    >>> print(step.solution.explain())
     velocity limit met (1 of 3 rows at a bound)
     position met (rank 2 of 2)
-    orientation short by 0.381 rad/s: damped, the levels above leave little to move it by in this direction (z),
-    then position
+    orientation short by 0.381 rad/s: position, then joint 0 velocity limit (upper)
     """
 
     robot: Robot = structure()
