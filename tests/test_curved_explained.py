@@ -54,7 +54,8 @@ def test_a_limit_that_is_named_is_at_its_bound_or_is_said_to_be_left() -> None:
                     continue
                 rows = list(cause.rows)
                 room = value[rows] - h.lower[rows] if cause.side is Side.LOWER else h.upper[rows] - value[rows]
-                at_bound = bool((room <= 1e-7 * (1.0 + np.abs(value[rows]))).any())
+                motion = np.linalg.norm(h.dense()[rows], axis=1) * np.linalg.norm(solution.x)
+                at_bound = bool((room <= np.maximum(1e-5 * motion, 1e-9 * (1.0 + np.abs(value[rows])))).any())
                 assert at_bound != cause.left
                 assert cause.left == str(cause).endswith("left by the levels below")
                 held, left = held + at_bound, left + cause.left

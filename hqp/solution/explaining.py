@@ -27,7 +27,7 @@ from .stages import Stages, softened_in, stage_of
 #: unit: damping leaves a share of every wish undone, also of one that is round-off.
 SHARE, LEAST = 1e-6, 1e-9
 #: It also counts only from so much of ||a_i|| ||x|| on, how fast x could move the row: a level whose rows stand still
-#: that well beside the motion is held, not short.
+#: that well beside the motion is held, not short, and a bound that is as near is not left.
 STILL = 1e-5
 #: A level that lacks more than without damping by at most this share has lost nothing by it.
 COST = 1e-3
@@ -68,7 +68,7 @@ def _own(
     at_bound = (rows.sides[own] != Side.INACTIVE) & ~fixing
     soft = _soft(h, stage.hierarchy, stage.x, k) if missing.any() and strict is None else []
     causes = _joined([*told.causes, *soft]) if missing.any() else []
-    causes = [replace(cause, left=_left(cause, rows)) for cause in causes]
+    causes = [replace(cause, left=_left(solution, cause, rows)) for cause in causes]
     total = sum(cause.strength for cause in causes)
     return replace(
         told,
@@ -97,14 +97,18 @@ def _without(solution: Answer, staged: Stages, rows: RowStates, k: int, toleranc
     if not strict.ok or abs(lacked - least) > COST * lacked:
         return None
     told = strict.explain(tolerance=tolerance).levels[k]
-    return None if any(_left(cause, rows) for cause in told.causes) else told
+    return None if any(_left(solution, cause, rows) for cause in told.causes) else told
 
 
-def _left(cause: Cause, rows: RowStates) -> bool:
-    """Whether x is at the bound of none of the rows of a cause, all inequalities."""
+def _left(solution: Answer, cause: Cause, rows: RowStates) -> bool:
+    """Whether x is at the bound of none of the rows of a cause, all inequalities, by more than counts as still."""
     if cause.side not in (Side.LOWER, Side.UPPER):
         return False
-    return not np.isin(rows.sides[list(cause.rows)], (cause.side, Side.EQUALITY)).any()
+    h, own = solution.hierarchy, list(cause.rows)
+    value = h.product(solution.x)[own]
+    room = value - h.lower[own] if cause.side is Side.LOWER else h.upper[own] - value
+    near = np.maximum(rows.tolerance[own], STILL * rows.norms[own] * length(solution.x))
+    return bool((room > near).all())
 
 
 def _joined(causes: list[Cause]) -> list[Cause]:
