@@ -55,10 +55,10 @@ def test_a_limit_that_is_named_is_at_its_bound_or_is_said_to_be_left() -> None:
                 rows = list(cause.rows)
                 room = value[rows] - h.lower[rows] if cause.side is Side.LOWER else h.upper[rows] - value[rows]
                 motion = np.linalg.norm(h.dense()[rows], axis=1) * np.linalg.norm(solution.x)
-                at_bound = bool((room <= np.maximum(1e-5 * motion, 1e-9 * (1.0 + np.abs(value[rows])))).any())
-                assert at_bound != cause.left
+                away = float((room / np.maximum(1e-5 * motion, 1e-9 * (1.0 + np.abs(value[rows])))).min())
+                assert away > 0.9 if cause.left else away < 1.1, (cause, away)
                 assert cause.left == str(cause).endswith("left by the levels below")
-                held, left = held + at_bound, left + cause.left
+                held, left = held + (not cause.left), left + cause.left
     assert held > 100
     assert left > 0
 
@@ -85,7 +85,7 @@ def test_a_level_is_called_damped_where_it_loses_by_it_and_nowhere_else() -> Non
             if k not in softened or level.met or level.contradicts:
                 continue
             cost = lost(solution, k)
-            assert cost > 1e-9 if level.damped else cost <= COST, level
+            assert cost > 1e-9 if level.damped else cost <= 1.1 * COST, level
             damped, undamped = damped + bool(level.damped), undamped + (not level.damped)
     assert min(damped, undamped) > 20
 
@@ -117,6 +117,7 @@ def test_what_is_held_beside_a_large_motion_is_met_and_no_more() -> None:
             continue
         fast = np.linalg.norm(solution.hierarchy.matrix(1), axis=1) * np.linalg.norm(solution.x)
         held, short = held + level.met, short + (not level.met)
-        assert level.met == bool((lacks <= 1e-5 * fast).all() or lacks.max() <= 1e-6 * 20.0 * off), level
+        away = float((lacks / np.maximum(1e-5 * fast, 1e-6 * 20.0 * off)).max())
+        assert away < 1.1 if level.met else away > 0.9, (level, away)
         assert not (level.met and level.damped)
     assert min(held, short) > 3, (held, short)
