@@ -13,6 +13,7 @@ import pytest
 
 from hqp import InvalidInput
 from tasks import (
+    AtLeast,
     BoxLimit,
     Controller,
     Damped,
@@ -25,6 +26,7 @@ from tasks import (
     PositionTask,
     PostureTask,
     Sphere,
+    Task,
     load_robot,
     planar_links,
     simulate,
@@ -307,3 +309,28 @@ def test_what_is_braked_without_a_limit_is_told() -> None:
     assert braked not in repr(Controller(free, JointLimits() >> tip, dt=0.01, damping=None))
     assert braked not in repr(Controller(free, tip, dt=0.01))
     assert braked not in repr(Controller(limited, JointLimits() >> tip, dt=0.01))
+
+
+class Reach(Task):
+    """How far the tip of a planar arm is from its base; how this bends is not told."""
+
+    rows = 1
+
+    def error(self, state, t):
+        return np.array([2.0 - np.linalg.norm(state.pose[:2])])
+
+    def jacobian(self, state):
+        place = state.pose[:2]
+        return (place / np.linalg.norm(place) @ state.jacobian[:2])[None]
+
+
+def test_a_task_that_the_default_cannot_damp_is_named() -> None:
+    robot = PlanarArm([0.5] * 4, velocity_limit=2.0)
+    own, tip = Reach(gain=10.0, name="reach"), PositionTask([1.0, 0.5], gain=10.0)
+    low = PostureTask([0.3] * 4, gain=1.0)
+    said = "damping without the curvature of Reach 'reach'"
+    for stack in own, JointLimits() >> own >> low, tip >> own >> low, own + tip:
+        assert said in repr(Controller(robot, stack, dt=DT))
+        assert said not in repr(Controller(robot, stack, dt=DT, damping=None))
+    for stack in tip >> low, Damped(own, None) >> tip, Damped(own, 0.1) >> tip, tip >> AtLeast(own), low:
+        assert "curvature" not in repr(Controller(robot, stack, dt=DT))

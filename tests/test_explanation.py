@@ -294,7 +294,7 @@ def test_as_a_table_and_as_json() -> None:
     assert json.loads(json.dumps(explanation.data())) == explanation.data()
     assert explanation.data()["levels"][1]["causes"][0] == {
         "level": 0, "part": "velocity limit", "row": "joint0", "side": "upper", "rows": [0],
-        "strength": pytest.approx(3.0), "share": pytest.approx(2 / 3),
+        "strength": pytest.approx(3.0), "share": pytest.approx(2 / 3), "left": False,
     }  # fmt: skip
     console = Console(width=120)
     with console.capture() as captured:

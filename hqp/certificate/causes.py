@@ -40,6 +40,8 @@ class Cause:
         The strength divided by the sum of the strengths of all causes of that level.
     where : str
         For rows that have places: the part, and at how many of its places.
+    left : bool
+        Whether x is not at the bound: it stopped the level, and levels below have left it. Only of damped levels.
     """
 
     level: int
@@ -51,17 +53,18 @@ class Cause:
     strength: float
     share: float
     where: str = ""
+    left: bool = False
 
     def __str__(self) -> str:
-        if self.where:
-            return self.where
-        return in_words(self.part, self.row, self.side) if self.row or self.side is not Side.EQUALITY else self.part
+        named = bool(self.row) or self.side is not Side.EQUALITY
+        told = self.where or (in_words(self.part, self.row, self.side) if named else self.part)
+        return f"{told}, left by the levels below" if self.left else told
 
     def data(self) -> dict[str, Any]:
         """The cause as plain Python data, ready for JSON."""
         return {
             "level": self.level, "part": self.part, "row": self.row, "side": side_in_words(self.side),
-            "rows": list(self.rows), "strength": self.strength, "share": self.share,
+            "rows": list(self.rows), "strength": self.strength, "share": self.share, "left": self.left,
         }  # fmt: skip
 
 

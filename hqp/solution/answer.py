@@ -24,6 +24,9 @@ class Answer(Protocol):
     def hierarchy(self) -> Hierarchy: ...
 
     @property
+    def ok(self) -> bool: ...
+
+    @property
     def message(self) -> str: ...
 
     @property

@@ -45,6 +45,18 @@ def levels_of(work: Sequence[Work], rules: Sequence[Rule]) -> tuple[int, ...]:
     return tuple(0 if k < first else 2 if rule is False or k in bounded else 1 for k, rule in enumerate(rules))
 
 
+def unknown_curvatures(rows: HierarchyWriter) -> list[str]:
+    """The tasks that the default would damp if their curvature were known, in their order."""
+    work, rules = rows.work, rows.levels.damping
+    first = min((k for k, _, part, _, _ in work if not part.is_limit), default=len(rules))
+    return [
+        part.full_name()
+        for k, _, part, plan, site in work
+        if k >= first and rules[k] is None and not part.is_limit and site.off
+        if plan.curvature is None and not plan.linear
+    ]
+
+
 def passing(rows: HierarchyWriter, x: Array) -> Callable[[], object] | None:
     """What tells whether x passes a limit in space above all tasks; None if there is none."""
     from ..base.loops import Call

@@ -60,10 +60,10 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
         and only in those directions; joint velocities then change smoothly there and close to limits. Joints without
         an acceleration limit come to rest at the ends of their ranges with at most 30 rad/s^2, unless a limit in space
         needs more. Elsewhere the answer is the strict one. ``step.relaxed`` and ``step.solution.explain()`` show where
-        levels are relaxed; ``Damped(level, None)`` keeps a level strict. None: every level is strict. All levels are
-        also strict if the stack has damping of its own, if no part has curvature (as postures), if contact forces are
-        unknowns (then see docs/contacts.md, "Tasks out of reach"), and with closed-form backends, which take no
-        inequalities.
+        levels are relaxed; ``Damped(level, None)`` keeps a level strict. Tasks of one's own without a curvature are not
+        calmed, and the repr names them. None: every level is strict. All levels are also strict if the stack has
+        damping of its own, if no part has curvature (as postures), if contact forces are unknowns (then see
+        docs/contacts.md, "Tasks out of reach"), and with closed-form backends, which take no inequalities.
 
     Raises
     ------
@@ -81,11 +81,10 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
     >>> step = controller([1.1, -1.3, -0.7])
     >>> step.v.round(3), step.solution.certify().ok
     (array([ 2.   , -1.191,  0.61 ]), True)
-    >>> print(step.solution.explain())  # doctest: +NORMALIZE_WHITESPACE
+    >>> print(step.solution.explain())
     velocity limit met (1 of 3 rows at a bound)
     position met (rank 2 of 2)
-    orientation short by 0.381 rad/s: damped, the levels above leave little to move it by in this direction (z),
-    then position
+    orientation short by 0.381 rad/s: position, then joint 0 velocity limit (upper)
     """
 
     robot: Robot = structure()
@@ -420,9 +419,7 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
 
     def __repr__(self) -> str:
         tick = "" if self.dt is None else f", dt={self.dt:g}"
-        tick += "" if self._prepared.how.damping else ", damping=None"
-        undamped = self._now.forces is not None and self._prepared.how.damping and not self._rows.levels.damps
-        tick += ", strict, as forces are unknowns" if undamped else ""
+        tick += self._prepared.how.damping_of(self._rows)
         ends = self._rows.shared.envelope.eased
         tick += "" if np.isinf(ends) else f", at ends of ranges {ends:g} rad/s^2"
         tick += ", torque=True" if self._torques is not None and self.order == "acceleration" else ""

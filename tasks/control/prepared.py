@@ -130,6 +130,19 @@ class Preparation:
         rows = stack.build(self.robot, self.order, self.dt, memory)
         return PreparedStack(stack, rows, self._solver(rows))
 
+    def damping_of(self, rows: HierarchyWriter) -> str:
+        """What the default damping leaves out of these rows, for the repr of a controller; empty if nothing."""
+        if self.damping is None:
+            return ", damping=None"
+        if rows.levels.damps:
+            return ""
+        if rows.unknowns.blocks:
+            return ", strict, as forces are unknowns"
+        from .calm import unknown_curvatures
+
+        left = unknown_curvatures(rows) if hqp.backend_info(self.backend).inequalities else []
+        return f", damping without the curvature of {', '.join(left)}" if left else ""
+
     def _solver(self, rows: HierarchyWriter) -> Solver | CalmSolver:
         levels = rows.levels
         if self.damping is not None and not levels.damps and hqp.backend_info(self.backend).inequalities:
