@@ -13,11 +13,18 @@ from hqp.kernels.layout import PAD
 
 NAMES = (
     "add_lines",
+    "add_lines_behind",
+    "add_to_lines",
+    "multiply_first",
     "multiply_chosen",
     "multiply_lines",
     "pick_entries",
     "product",
+    "reflect",
+    "rotate",
+    "scale_behind",
     "scale_line",
+    "subtract_both",
     "subtract_chosen",
     "subtract_lines",
     "take_out",
@@ -98,3 +105,49 @@ def test_entries_are_picked_and_scaled(loops, wide):
     loops.scale_line(row, 3.0, wide, out)
     assert close(out[:wide], 3.0 * row[:wide])
     assert np.isnan(out[wide:]).all()
+
+
+def test_matrices_change_as_numpys(loops):
+    rng = np.random.default_rng(1)
+    for count, wide in product(range(10), WIDTHS):
+        rows, u, p = rng.normal(size=(12, wide)), rng.normal(size=wide), rng.normal(size=wide)
+        shares, before = rng.normal(size=12), rows.copy()
+        rest = slice(count, None)
+
+        changed = rows.copy()
+        loops.add_to_lines(changed, count, shares, u, wide)
+        assert close(changed[:count], (rows + np.outer(shares, u))[:count])
+        assert (changed[rest] == before[rest]).all()
+
+        n = min(count, wide)
+        changed = rows.copy()
+        loops.subtract_both(changed, n, u, p, wide)
+        assert close(changed[:n], rows[:n] - np.outer(u[:n], p) - np.outer(p[:n], u))
+        assert (changed[n:] == before[n:]).all()
+
+        changed = rows.copy()
+        loops.reflect(changed, count, u, 0.3, wide)
+        assert close(changed[:count], (rows - 0.3 * np.outer(rows @ u, u))[:count])
+        assert (changed[rest] == before[rest]).all()
+
+        changed = rows.copy()
+        loops.rotate(changed[0], changed[1], 0.6, 0.8, wide)
+        assert close(changed[:2], np.array([[0.8, -0.6], [0.6, 0.8]]) @ rows[:2])
+
+        for begin in range(wide):
+            out = np.full(wide, np.nan)
+            loops.scale_behind(u, 0.3, begin, wide, out)
+            assert close(out, np.where(np.arange(wide) < begin, 0.0, 0.3 * u))
+            changed = u.copy()
+            loops.add_lines_behind(rows, 0, count, shares, begin, wide, changed)
+            assert close(changed[begin:], (u + shares[:count] @ rows[:count])[begin:])
+
+
+def test_products_of_first_entries_leave_out_all_others(loops):
+    rng = np.random.default_rng(2)
+    for count, n in product(range(10), range(1, 20)):
+        rows, x = np.full((12, -(-n // PAD) * PAD), np.nan), rng.normal(size=n)
+        rows[:, :n] = rng.normal(size=(12, n))
+        out = np.full(12, np.nan)
+        loops.multiply_first(rows, count, x, n, out)
+        assert close(out, np.where(np.arange(12) < count, rows[:, :n] @ x, np.nan))

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from hqp.arrays import Array
-from hqp.kernels import orthogonal, sums, symmetric
+from hqp.kernels import lines, orthogonal, sums, symmetric, vectors
 from hqp.kernels.layout import PAD
 
 #: By their names, what makes a matrix of this size.
@@ -40,8 +40,15 @@ def room(n: int) -> tuple[int, int]:
     return n, -(-n // PAD) * PAD
 
 
+def with_room(A: Array) -> Array:
+    """A copy, in rows that have room for whole lines."""
+    M = np.full(room(len(A)), np.nan)
+    M[:, : len(A)] = A
+    return M
+
+
 def solvers() -> list[SimpleNamespace]:
-    return [kernels.compiled(symmetric, "eigen"), kernels.plain(orthogonal, sums, symmetric)]
+    return [kernels.compiled(symmetric, "eigen"), kernels.plain(vectors, lines, orthogonal, sums, symmetric)]
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 5, 8, 21])
@@ -54,14 +61,14 @@ def test_the_eigenvectors_of_any_matrix(kind: str, n: int, noise: float) -> None
         A = A + A.T
         size = np.abs(A).max() or 1.0
         for solver in solvers():
-            M, U, values = np.full((n + 2, n + 2), np.nan), np.full(room(n + 2), np.nan), np.full(n + 2, np.nan)
+            M, U, values = np.full(room(n + 2), np.nan), np.full(room(n + 2), np.nan), np.full(room(n + 2)[1], np.nan)
             M[:n, :n] = A
             with np.errstate(divide="ignore"):
                 solver.eigen(M, U, values, n, noise)
-            found, vectors = values[:n], U[:n, :n]
+            found, axes = values[:n], U[:n, :n]
             np.testing.assert_allclose(np.sort(found) / size, np.linalg.eigvalsh(A / size), atol=1e-13)
-            np.testing.assert_allclose(vectors @ vectors.T, np.eye(n), atol=1e-13)
-            np.testing.assert_allclose(vectors.T * (found / size) @ vectors, A / size, atol=1e-13)
+            np.testing.assert_allclose(axes @ axes.T, np.eye(n), atol=1e-13)
+            np.testing.assert_allclose(axes.T * (found / size) @ axes, A / size, atol=1e-13)
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 5, 8, 21])
@@ -72,14 +79,30 @@ def test_factor_and_largest_eigenvalue_of_a_positive_matrix(n: int) -> None:
         A = rows.T @ rows
         for solver in (
             kernels.compiled(symmetric, "largest", "upper_factor"),
-            kernels.plain(orthogonal, sums, symmetric),
+            kernels.plain(vectors, lines, orthogonal, sums, symmetric),
         ):
-            M, values = A.copy(), np.full(n, np.nan)
+            M, values = with_room(A), np.full(room(n)[1], np.nan)
             assert solver.largest(M, values, n) == pytest.approx(np.linalg.norm(A, 2), rel=1e-12)
-            R, B = np.full((n, n), np.nan), A + 1e-3 * np.eye(n)
-            assert solver.upper_factor(B, R, n, values)
-            np.testing.assert_allclose(R, np.linalg.cholesky(B).T, atol=1e-9)
-            assert not solver.upper_factor(A - 1e-3 * np.eye(n), R, n, values) or rank == n
+            R, B = np.full(room(n), np.nan), A + 1e-3 * np.eye(n)
+            assert solver.upper_factor(with_room(B), R, n, values)
+            np.testing.assert_allclose(R[:, :n], np.linalg.cholesky(B).T, atol=1e-9)
+            assert not solver.upper_factor(with_room(A - 1e-3 * np.eye(n)), R, n, values) or rank == n
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 8, 21])
+def test_the_bound_of_the_smallest_eigenvalue_is_that_of_the_moments_of_the_inverse(n: int) -> None:
+    rng = np.random.default_rng(n)
+    for solver in (
+        kernels.compiled(symmetric, "smallest"),
+        kernels.plain(vectors, lines, orthogonal, sums, symmetric),
+    ):
+        rows = rng.normal(size=(n + 3, n))
+        A, work = rows.T @ rows, [np.full(room(n), np.nan) for _ in range(2)]
+        inverse = 1.0 / np.linalg.eigvalsh(A)
+        wanted = 1.0 / (inverse.mean() + inverse.std() * np.sqrt(n - 1))
+        shares = np.full(room(n)[1], np.nan)
+        assert solver.smallest(with_room(A), *work, shares, n) == pytest.approx(wanted, rel=1e-9)
+        assert solver.smallest(with_room(-A), *work, shares, n) == 0.0
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -88,14 +111,14 @@ def test_the_part_of_a_matrix_with_eigenvalues_of_one_sign(n: int, sign: float) 
     rng = np.random.default_rng(n)
     A = rng.normal(size=(n, n))
     A = A + A.T
-    found, vectors = np.linalg.eigh(A)
+    found, axes = np.linalg.eigh(A)
     for solver in (
         kernels.compiled(symmetric, "eigen", "bring_forward", "add_spectrum"),
-        kernels.plain(orthogonal, sums, symmetric),
+        kernels.plain(vectors, lines, orthogonal, sums, symmetric),
     ):
-        M, U, values, part = A.copy(), np.empty(room(n)), np.empty(n), A.copy()
+        M, U, values, part = with_room(A), np.empty(room(n)), np.empty(room(n)[1]), with_room(A)
         solver.eigen(M, U, values, n, 0.0)
         count = solver.bring_forward(U, values, n, sign)
         assert count == np.sum(sign * found > 0.0)
         solver.add_spectrum(U, values, n, count, -1.0, np.empty(n), part)  # what is left has the other sign
-        np.testing.assert_allclose(part, vectors * np.where(sign * found > 0.0, 0.0, found) @ vectors.T, atol=1e-12)
+        np.testing.assert_allclose(part[:, :n], axes * np.where(sign * found > 0.0, 0.0, found) @ axes.T, atol=1e-12)

@@ -22,8 +22,8 @@ from .compile import inner
 from .curved_rows import measured, measured_basis
 from .directions import along, untouched
 from .memory import floats, ints, marks, matrix, vector
-from .sums import add_rows, add_squares, multiply
-from .symmetric import NOISE, add_spectrum, bring_forward, cholesky, eigen
+from .sums import SHORT, add_long, add_rows, add_squares, multiply, multiply_long
+from .symmetric import NOISE, add_spectrum, bring_forward, eigen, turn, turn_back, upper_factor
 
 #: Up to this ratio of the curvature to the smallest squared singular value of J, the linearisation is trusted.
 TRUSTED = 0.3
@@ -48,7 +48,7 @@ def multipliers(here, k, above, damped):
     head, gram, L, mu = ints(here, 0, plain.HEAD), matrix(here, at.GRAM), matrix(here, at.TRIANGLE), vector(here, at.MU)
     n, all_above, whose, pull = head[plain.N], matrix(here, at.ABOVE), marks(here, at.WHOSE), vector(here, at.PULL)
     of, wanted, weights = marks(here, at.OWN_OF), vector(here, at.WANTED), vector(here, plain.WEIGHTS)
-    longest, some = 0.0, False
+    longest, some, shares = 0.0, False, vector(here, at.PARTS)
     multiply(all_above, above, pull, n, mu)
     for r in range(above):
         some = some or mu[r] != 0.0
@@ -60,19 +60,14 @@ def multipliers(here, k, above, damped):
     more = YIELDS * damped + DEPENDENT * longest
     for r in range(above):
         gram[r][r] += more
-    fine = cholesky(gram, L, above)
+    fine = upper_factor(gram, L, above, shares)
     for r in range(above):
         gram[r][r] -= more
     if not fine:
         return False
+    turn(L, mu, above)
+    turn_back(L, mu, above)
     for r in range(above):
-        for q in range(r):
-            mu[r] -= L[r][q] * mu[q]
-        mu[r] /= L[r][r]
-    for r in range(above - 1, -1, -1):
-        for q in range(r + 1, above):
-            mu[r] -= L[q][r] * mu[q]
-        mu[r] /= L[r][r]
         wanted[whose[r]] = mu[r] * weights[whose[r]]
     return True
 
@@ -105,12 +100,22 @@ def contract(here, first, end):
 
 
 @inner
-def find_bounds(here):
-    """Have the loops that bound curvatures write, for this state, what :func:`bound` reads."""
-    calls, of = marks(here, at.CALLS), marks(here, at.CALLS_OF)
-    for p in range(0, at.CALL * of[ints(here, 0, plain.HEAD)[plain.LEVELS]], at.CALL):
-        if calls[p + 5] != 0:
-            called(calls[p + 5], calls[p + 6])
+def forget_bounds(here):
+    """Have the loops that bound curvatures called again, as for another state, when :func:`bound` needs them."""
+    bounded = marks(here, at.BOUNDED)
+    for k in range(ints(here, 0, plain.HEAD)[plain.LEVELS]):
+        bounded[k] = 0
+
+
+@inner
+def find_bounds(here, first, end):
+    """Have these loops, of levels first .. end - 1, write what :func:`bound` reads, unless they have."""
+    calls, of, bounded = marks(here, at.CALLS), marks(here, at.CALLS_OF), marks(here, at.BOUNDED)
+    for k in range(first, end):
+        for p in range(at.CALL * of[k], at.CALL * of[k + 1] if bounded[k] == 0 else 0, at.CALL):
+            if calls[p + 5] != 0:
+                called(calls[p + 5], calls[p + 6])
+        bounded[k] = 1
 
 
 @inner
@@ -120,6 +125,7 @@ def bound(here, first, end):
     Part by part :math:`\sqrt{w^T F w}`, with the matrices F of :func:`find_bounds`.
     """
     calls, of, wanted, most = marks(here, at.CALLS), marks(here, at.CALLS_OF), vector(here, at.WANTED), 0.0
+    find_bounds(here, first, end)
     for p in range(at.CALL * of[first], at.CALL * of[end], at.CALL):
         begin, count, needed, square = calls[p + 3], calls[p + 4], False, 0.0
         for i in range(count):
@@ -139,14 +145,24 @@ def bound(here, first, end):
 
 
 @inner
-def bent_along(here, d, Z, out):
-    """Write M = Z S Z' (d, d) to place `out`; returns its Frobenius norm.
+def keep(here, place):
+    """Copy S to a place that has room for whole lines."""
+    n, S, out = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.S), matrix(here, place)
+    for i in range(n):
+        own, row = S[i], out[i]
+        for j in range(n):
+            row[j] = own[j]
+
+
+@inner
+def bent_along(here, d, Z, given, out):
+    """Write M = Z S Z' (d, d) to place `out`, for the S at place `given`; returns its Frobenius norm.
 
     Z (d, n) are the directions in the metric of the soft rows above: see :func:`.curved_rows.measured_basis`.
     """
     n, S, M, half, norm = (
         ints(here, 0, plain.HEAD)[plain.N],
-        matrix(here, at.S),
+        matrix(here, given),
         matrix(here, out),
         matrix(here, at.HALF)[0],
         0.0,
@@ -159,8 +175,12 @@ def bent_along(here, d, Z, out):
         else:
             for j in range(n):
                 half[j] = 0.0
-            add_rows(Z[p], S, 0, n, n, half)
-            multiply(Z, p + 1, half, n, row)
+            if n > SHORT:
+                add_long(Z[p], S, 0, n, 0, n, half)
+                multiply_long(Z, p + 1, half, n, row)
+            else:
+                add_rows(Z[p], S, 0, n, n, half)
+                multiply(Z, p + 1, half, n, row)
         for q in range(p):
             M[q][p] = row[q]
             norm += 2.0 * row[q] * row[q]
@@ -187,25 +207,24 @@ def bend(here, k, count, d, above, least, damped):
     r"""Write the damping ``P`` of level k (d, d): :math:`P = [2.3 |S_u| + [S_o]_+ + \sqrt\alpha [S_o]_- - G^T G]_+`.
 
     `least` is the smallest squared singular value of G. Where the norms of the curvatures alone, or their bounds, are
-    small enough, P is 0 and nothing else is computed. Returns the largest eigenvalue of P, and the ratio of the
-    curvature to `least`, 0 where that is known to be trusted.
+    small enough, P is 0 and nothing else is computed; bounds that were of no use in the last solve are left out.
+    Returns the largest eigenvalue of P, and the ratio of the curvature to `least`, 0 where that is known to be trusted.
     """
-    head, E, kept, P = ints(here, 0, plain.HEAD), matrix(here, at.E), matrix(here, at.KEPT), matrix(here, at.P)
-    n, S, more, root = head[plain.N], matrix(here, at.S), 0.0, math.sqrt(vector(here, at.SHARES)[k])
+    head, E, P = ints(here, 0, plain.HEAD), matrix(here, at.E), matrix(here, at.P)
+    loose, more, root = marks(here, at.LOOSE), 0.0, math.sqrt(vector(here, at.SHARES)[k])
     for i in range(d):
         for j in range(d):
             P[i][j] = 0.0
     pushed = above > 0 and multipliers(here, k, above, damped)
-    if bound(here, k, k + 1) + (bound(here, head[at.TOP], k) if pushed else 0.0) <= TRUSTED * least:
+    if loose[k] == 0 and bound(here, k, k + 1) + (bound(here, head[at.TOP], k) if pushed else 0.0) <= TRUSTED * least:
         return 0.0, 0.0
     own = contract(here, k, k + 1)
     if pushed:
-        if own > 0.0:  # both are needed, one after the other
-            for i in range(n):
-                for j in range(n):
-                    kept[i][j] = S[i][j]
+        if own > 0.0:
+            keep(here, at.Q)
         more = contract(here, head[at.TOP], k)
     ratio = ratio_of(own + more, least)
+    loose[k] = 1 if ratio > TRUSTED else 0
     if ratio <= TRUSTED:
         return 0.0, ratio
     for i in range(d):
@@ -213,13 +232,12 @@ def bend(here, k, count, d, above, least, damped):
             E[i][j] = 0.0
     Z, more_along, own_along = matrix(here, measured_basis(here, d)), 0.0, 0.0
     if more > 0.0:
-        more_along = bent_along(here, d, Z, at.M)
-    if pushed and own > 0.0:
-        for i in range(n):
-            for j in range(n):
-                S[i][j] = kept[i][j]
+        keep(here, at.U)
+        more_along = bent_along(here, d, Z, at.U, at.M)
     if own > 0.0:
-        own_along = bent_along(here, d, Z, at.KEPT)
+        if not pushed:
+            keep(here, at.Q)
+        own_along = bent_along(here, d, Z, at.Q, at.KEPT)
     ratio = ratio_of(more_along + max(1.0, root) * own_along, least)  # the norms again, now along Z alone
     if ratio <= TRUSTED:
         return 0.0, ratio

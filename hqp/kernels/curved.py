@@ -13,7 +13,7 @@ import math
 from . import curved_layout as at
 from . import layout as plain
 from .active_set import OPTIMAL
-from .bend import TRUSTED, bend, find_bounds
+from .bend import TRUSTED, bend, forget_bounds
 from .brake import lags, note_asked
 from .call import called_on
 from .compile import entry, inner, integer, stamp
@@ -244,9 +244,11 @@ def solve_stages(here, begun):
 
 @inner
 def look(here):
-    """Note how far off the rows are, and what bounds their curvatures."""
+    """Note how far off the rows are; what bounds their curvatures is found when it is needed."""
     note_errors(here)
-    find_bounds(here)
+    forget_bounds(here)
+    for block in marks(here, at.BLOCKS):
+        forget_bounds(block)
 
 
 @inner
@@ -259,7 +261,6 @@ def needs_no_strict(here):
     head, so_far = ints(here, 0, plain.HEAD), vector(here, at.SO_FAR)
     if head[at.QUICK] == 0 or len(marks(here, at.BLOCKS)) > 1 or so_far[at.FADE] < 1.0 or not valid(here):
         return False
-    look(here)
     note_bounds(here)
     so_far[at.GATE] = 0.0
     open_blocks(here)
@@ -273,6 +274,7 @@ def solve_all(here, numbers):
     """Solve the strict hierarchy, then in stages if a level has to be damped; returns the outcome of the last solve."""
     head = ints(here, 0, plain.HEAD)
     levels = head[plain.LEVELS]
+    look(here)
     fits = head[at.QUICK] != 0 and head[at.OPENED] == levels  # else stages were needed, and most likely are again
     if not fits and needs_no_strict(here):
         return solve_stages(here, True)
@@ -284,7 +286,6 @@ def solve_all(here, numbers):
     strict = called_on(head[at.SOLVE], marks(here, at.DIRECTORIES)[levels], numbers)
     if strict == SUSPECT:
         return strict
-    look(here)
     if crowd(here, strict) == 0.0 and fits and strict == OPTIMAL and quiet(here, marks(here, at.DIRECTORIES)[levels]):
         head[at.OPENED] = levels
         return strict

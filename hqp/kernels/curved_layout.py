@@ -6,7 +6,7 @@ WEIGHTS.
 
 from __future__ import annotations
 
-from .layout import PAD
+from .layout import padded
 
 #: Numbers at the head, beside N, LEVELS and ROWS: the first level that was solved in its own stage (LEVELS: none); the
 #: last stage that was solved; the address of the loop that solves a hierarchy; how many parts measure errors; the first
@@ -67,7 +67,9 @@ UNKNOWN = 53
 PARTS = 68
 # What a softened answer also tells: the first and the last level with a stage, and a copy of the AIMS.
 SPAN, AIMED = 69, 70
-PLACES = 71
+# Of every level: whether its curvatures were bounded in this solve; whether their bounds were of no use in the last.
+BOUNDED, LOOSE = 71, 72
+PLACES = 73
 
 #: Places in SO_FAR: the gate of the lean; how close the last x moves along bounds; the sum of the squared damping
 #: strengths above; of this level the norm of its rows, the weight of the lean, its c, and its squared strength; what
@@ -83,32 +85,17 @@ GIVEN, HELD, SOFT, LOST = 0, 1, 2, 3
 def shapes(n, levels, m, widest, own, blocks):
     """Shapes of all work arrays, place -> (rows, columns), as two dicts: of integers and of floats.
 
-    `m` is the number of all rows, `widest` that of the largest level; `own` variables are those of the block.
+    `m` is the number of all rows, `widest` that of the largest level; `own` variables are those of the block. Rows, and
+    arrays of one axis, have room for whole lines.
     """
     ints, wide = {IDS: (widest, 1), STATE: (m, 1), WHOSE: (m, 1), MET: (levels * n, 1)}, max(n, widest)
-    padded = -(-wide // PAD) * PAD
-    reals = {J: (widest, n), G: (widest, n), G_MEASURED: (widest, n), WANTED: (m, 1), PULL: (n, 1), ERRORS: (m, 1)}
-    reals |= {ABOVE: (m, n), GRAM: (m, m), TRIANGLE: (m, m), MU: (max(m, n), 1), VALUES: (wide, 1), REACH: (n, 1)}
-    reals |= dict.fromkeys((LEAST, MOST), (n, 1))
-    reals |= {
-        BASIS: (own, n),
-        MEASURED_BASIS: (own, n),
-        SO_FAR: (FIRM + 1, 1),
-        LEAST_SQUARES: (m + n, n + 1),
-        ROW_NOW: (n + 1, 1),
-        PARTS: (m + n, 1),
-    }
-    reals |= dict.fromkeys((METRIC, KEPT, GRAM_OF_G), (n, n)) | dict.fromkeys((E, M, HALF, Q), (wide, wide))
-    reals |= dict.fromkeys((P, U), (wide, padded))  # eigenvectors
-    reals |= {
-        ROW: (m, n),
-        VALUE: (m, 1),
-        STIFFNESS: (m, 1),
-        POINTS: (levels, n),
-        STRENGTHS: (levels, 1),
-        DAMPED: (levels * n, n + 1),
-        NORMS: (levels, blocks),
-        COMBINED: (m, widest),
-        AIMED: (levels, n),
-    }
-    return ints, reals
+    ints |= dict.fromkeys((BOUNDED, LOOSE), (levels, 1))
+    lengths = {WANTED: m, PULL: n, ERRORS: m, MU: max(m, n), VALUES: wide, REACH: n, LEAST: n, MOST: n}
+    lengths |= {SO_FAR: FIRM + 1, ROW_NOW: n + 1, PARTS: m + n, VALUE: m, STIFFNESS: m, STRENGTHS: levels}
+    reals = {J: (widest, n), G: (widest, n), G_MEASURED: (widest, n), ABOVE: (m, n), GRAM: (m, m), TRIANGLE: (m, m)}
+    reals |= {BASIS: (own, n), MEASURED_BASIS: (own, n), LEAST_SQUARES: (m + n, n + 1)}
+    reals |= dict.fromkeys((METRIC, KEPT, GRAM_OF_G), (n, n)) | dict.fromkeys((E, M, HALF, Q, P, U), (wide, wide))
+    reals |= {ROW: (m, n), POINTS: (levels, n), DAMPED: (levels * n, n + 1), NORMS: (levels, blocks)}
+    reals |= {COMBINED: (m, widest), AIMED: (levels, n)}
+    vectors = {place: (padded(count), 1) for place, count in lengths.items()}
+    return ints, vectors | {place: (rows, padded(columns)) for place, (rows, columns) in reals.items()}

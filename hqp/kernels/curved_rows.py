@@ -98,6 +98,7 @@ def project(here, count, d):
     """Write ``G`` = J Z', shape (count, d); returns a lower bound of its smallest squared singular value."""
     basis, J, G = matrix(here, at.BASIS), matrix(here, at.J), matrix(here, at.G)
     col, ids, gram = marks(here, plain.COL), marks(here, at.IDS), matrix(here, at.E)
+    half, shares = matrix(here, at.HALF), vector(here, at.VALUES)
     for i in range(count):
         row, j = G[i], col[ids[i]]
         if j < 0:
@@ -107,10 +108,12 @@ def project(here, count, d):
                 row[p] = J[i][j] * basis[p][j]
     if count > d:
         write_gram(here, count, d)
-        return smallest(matrix(here, at.GRAM_OF_G), matrix(here, at.U), d)
+        return smallest(matrix(here, at.GRAM_OF_G), matrix(here, at.U), half, shares, d)
     for i in range(count):
-        multiply(G, i + 1, G[i], d, gram[i])
-    return smallest(gram, matrix(here, at.U), count)
+        multiply(G, i + 1, G[i], d, shares)
+        for r in range(i + 1):
+            gram[r][i] = shares[r]
+    return smallest(gram, matrix(here, at.U), half, shares, count)
 
 
 @inner

@@ -30,9 +30,9 @@ def _products(write, rows, first, end, number_of, x, wide, out):
         out.write(places[0], write.totals([write.together([one]) for one in sums]))
 
 
-def _sum_of_rows(write, rows, first, end, number_of, shares, wide, row, sign):
-    """Change row[:wide] by rows first .. end - 1, each times its share and `sign`."""
-    for lines in write.lines(wide, (4, 2, 1)):
+def _sum_of_rows(write, rows, first, end, number_of, shares, wide, row, sign, begin=None):
+    """Change row[:wide], from `begin` on, by rows first .. end - 1, each times its share and `sign`."""
+    for lines in write.tiles(LONG(0) if begin is None else begin, wide, PAD, (4, 2, 1)):
         many, sets = len(lines), SIDE_BY_SIDE[len(lines)]
         sums = write.sums(many * sets)
         for place, one in zip(lines, sums, strict=False):
@@ -44,6 +44,31 @@ def _sum_of_rows(write, rows, first, end, number_of, shares, wide, row, sign):
                     write.add(one, write.times(mine.line(place), share))
         for k, place in enumerate(lines):
             row.write(place, write.together(sums[k::many]))
+
+
+def _write_products_of_first(write, rows, count, x, n, out):
+    builder = write.builder
+    whole, over = builder.and_(n, LONG(-PAD)), builder.and_(n, LONG(PAD - 1))
+    some, there = builder.icmp_signed("!=", over, LONG(0)), write.first(over)
+    for places in write.tiles(LONG(0), count):
+        mine, sums = [rows.row(q) for q in places], write.sums(len(places))
+        for (t,) in write.lines(whole, (1,)):
+            entries = x.line(t)
+            for row, one in zip(mine, sums, strict=True):
+                write.add(one, write.times(row.line(t), entries))
+        with builder.if_then(some):
+            entries = x.some(whole, there)
+            for row, one in zip(mine, sums, strict=True):
+                terms = write.times(row.line(whole), entries)
+                write.add(one, builder.select(there, terms, ir.Constant(LINE, None)))
+        out.write(places[0], write.totals([write.together([one]) for one in sums]))
+
+
+@written(_write_products_of_first)
+def multiply_first(rows, count, x, n, out):
+    """Write the products of rows[:count], which have room for whole lines, with x[:n] to out[:count]."""
+    for q in range(count):
+        out[q] = sum(rows[q][t] * x[t] for t in range(n))
 
 
 def _write_products(write, rows, first, end, x, wide, out):
@@ -77,6 +102,18 @@ def add_lines(rows, first, end, shares, wide, row):
     """Add rows[first:end], each times its share, to row[:wide]."""
     for q in range(first, end):
         for t in range(wide):
+            row[t] += shares[q] * rows[q][t]
+
+
+def _write_sum_behind(write, rows, first, end, shares, begin, wide, row):
+    _sum_of_rows(write, rows, first, end, lambda q: q, shares, wide, row, 1.0, write.builder.and_(begin, LONG(-PAD)))
+
+
+@written(_write_sum_behind)
+def add_lines_behind(rows, first, end, shares, begin, wide, row):
+    """Add rows[first:end], each times its share, to row[:wide], from the line on in which entry `begin` is."""
+    for q in range(first, end):
+        for t in range(begin & -PAD, wide):
             row[t] += shares[q] * rows[q][t]
 
 
@@ -225,3 +262,95 @@ def pick_entries(row, places, wide, out):
     """Write the entries of a row at these places to out[:wide]."""
     for t in range(wide):
         out[t] = row[places[t]]
+
+
+def _add_to_lines(write, rows, count, shares, x, wide):
+    for (t,) in write.lines(wide, (1,)):
+        entries = x.line(t)
+        for (r,) in write.tiles(LONG(0), count, sizes=(1,)):
+            row = rows.row(r)
+            row.write(t, write.plus(row.line(t), write.times(entries, write.everywhere(shares.entry(r)))))
+
+
+@written(_add_to_lines)
+def add_to_lines(rows, count, shares, x, wide):
+    """Add x[:wide], times its share, to each of rows[:count]."""
+    for r in range(count):
+        for t in range(wide):
+            rows[r][t] += shares[r] * x[t]
+
+
+def _scale_behind(write, row, share, begin, wide, out):
+    builder, all_over, none = write.builder, write.everywhere(share), ir.Constant(LINE, None)
+    place = builder.and_(begin, LONG(-PAD))
+    for (t,) in write.lines(place, (1,)):
+        out.write(t, none)
+    before = write.first(builder.and_(begin, LONG(PAD - 1)))
+    with builder.if_then(builder.icmp_signed("<", place, wide)):
+        out.write(place, builder.select(before, none, write.times(row.line(place), all_over)))
+    for (t,) in write.tiles(builder.add(place, LONG(PAD)), wide, PAD, (1,)):
+        out.write(t, write.times(row.line(t), all_over))
+
+
+@written(_scale_behind)
+def scale_behind(row, share, begin, wide, out):
+    """Write row[begin:wide], times a share, to `out`, and zeros before."""
+    for t in range(wide):
+        out[t] = row[t] * share if t >= begin else 0.0
+
+
+def _rotate(write, one, other, sine, cosine, wide):
+    s, c = write.everywhere(sine), write.everywhere(cosine)
+    for (t,) in write.lines(wide, (1,)):
+        a, b = one.line(t), other.line(t)
+        one.write(t, write.minus(write.times(a, c), write.times(b, s)))
+        other.write(t, write.plus(write.times(a, s), write.times(b, c)))
+
+
+@written(_rotate)
+def rotate(one, other, sine, cosine, wide):
+    """Rotate two rows in their plane."""
+    for t in range(wide):
+        one[t], other[t] = cosine * one[t] - sine * other[t], sine * one[t] + cosine * other[t]
+
+
+def _subtract_both(write, rows, count, u, p, wide):
+    for (t,) in write.lines(wide, (1,)):
+        along_u, along_p = u.line(t), p.line(t)
+        for (r,) in write.tiles(LONG(0), count, sizes=(1,)):
+            row, mine, other = rows.row(r), write.everywhere(u.entry(r)), write.everywhere(p.entry(r))
+            both = write.plus(write.times(along_p, mine), write.times(along_u, other))
+            row.write(t, write.minus(row.line(t), both))
+
+
+@written(_subtract_both)
+def subtract_both(rows, count, u, p, wide):
+    """Subtract u p' + p u' from rows[:count]."""
+    for r in range(count):
+        mine, other = u[r], p[r]
+        for t in range(wide):
+            rows[r][t] -= mine * p[t] + other * u[t]
+
+
+def _reflect(write, rows, count, u, scale, wide):
+    for places in write.tiles(LONG(0), count):
+        mine, sums = [rows.row(q) for q in places], write.sums(len(places))
+        for (t,) in write.lines(wide, (1,)):
+            entries = u.line(t)
+            for row, one in zip(mine, sums, strict=True):
+                write.add(one, write.times(row.line(t), entries))
+        along = write.totals([write.together([one]) for one in sums])
+        shares = [write.everywhere(write.times(write.number(along, k), scale)) for k in range(len(mine))]
+        for (t,) in write.lines(wide, (1,)):
+            entries = u.line(t)
+            for row, share in zip(mine, shares, strict=True):
+                row.write(t, write.minus(row.line(t), write.times(entries, share)))
+
+
+@written(_reflect)
+def reflect(rows, count, u, scale, wide):
+    """Multiply rows[:count] by the reflection I - scale u u'."""
+    for r in range(count):
+        along = scale * sum(rows[r][t] * u[t] for t in range(wide))
+        for t in range(wide):
+            rows[r][t] -= along * u[t]

@@ -135,14 +135,14 @@ def draw(here, k, d, lean):
 
 @inner
 def stay(here, k, d):
-    """Write K = I and ``mu`` = Z x: a block that asks for nothing on level k stays at the x of the level above.
+    """Write M = K = I and ``mu`` = Z x: a block that asks for nothing on level k stays at the x of the level above.
 
     Its soft rows have no weight there.
     """
-    K = matrix(here, at.U)
+    K, M = matrix(here, at.U), matrix(here, at.M)
     for p in range(d):
         for q in range(d):
-            K[p][q] = 1.0 if p == q else 0.0
+            K[p][q] = M[p][q] = 1.0 if p == q else 0.0
     along(here, matrix(here, at.POINTS)[k - 1], d, vector(here, at.MU))
     return True
 

@@ -1,9 +1,15 @@
-"""Products and sums of rows, four of them in each pass, so that what is read or added to is in memory once."""
+"""Products and sums of rows: of long ones by whole lines, for which they have room; see :mod:`.lines`."""
 
 from __future__ import annotations
 
+from . import layout
 from .compile import inner, precise
+from .lines import add_lines_behind, add_to_lines, multiply_first, subtract_both
 
+padded = inner(layout.padded)
+
+#: Rows of up to so many entries are faster entry by entry, as part of the loops around them, than by lines.
+SHORT = layout.PAD
 #: Splits a number into two of half its digits (Veltkamp 1968).
 SPLIT = 2.0**27 + 1.0
 
@@ -31,10 +37,22 @@ def product(row, x, n):
 
 
 @inner
+def multiply_long(rows, count, x, n, out):
+    """As :func:`multiply`, by lines, for rows that are not SHORT. They have room for whole lines."""
+    multiply_first(rows, count, x, n, out)
+
+
+@inner
+def add_long(shares, rows, first, end, begin, n, out):
+    """As :func:`add_rows`, by lines, to out[begin:n]; the rest of the lines that these are in becomes anything."""
+    add_lines_behind(rows, first, end, shares, begin, padded(n), out)
+
+
+@inner
 def multiply(rows, count, x, n, out):
     """Write the products of rows[:count] with x[:n] to out[:count]."""
     p = 0
-    while p + 3 < count:
+    while p + 3 < count:  # four rows in each pass, so that x is read once
         r0, r1, r2, r3 = rows[p], rows[p + 1], rows[p + 2], rows[p + 3]
         d0 = d1 = d2 = d3 = 0.0
         for j in range(n):
@@ -71,23 +89,26 @@ def add_rows(shares, rows, first, end, n, out):
 
 @inner
 def add_to_each(rows, count, shares, x, n):
-    """Add x[:n], times its share, to each of rows[:count]."""
-    p = 0
-    while p + 3 < count:
-        r0, r1, r2, r3 = rows[p], rows[p + 1], rows[p + 2], rows[p + 3]
-        s0, s1, s2, s3 = shares[p], shares[p + 1], shares[p + 2], shares[p + 3]
+    """Add x[:n], times its share, to each of rows[:count]; the rest of their last lines may become anything."""
+    if n > SHORT:
+        add_to_lines(rows, count, shares, x, padded(n))
+        return
+    for p in range(count):
+        row, share = rows[p], shares[p]
         for j in range(n):
-            value = x[j]
-            r0[j] += s0 * value
-            r1[j] += s1 * value
-            r2[j] += s2 * value
-            r3[j] += s3 * value
-        p += 4
-    while p < count:
-        r0, s0 = rows[p], shares[p]
+            row[j] += share * x[j]
+
+
+@inner
+def subtract_products(rows, u, p, n):
+    """Subtract u p' + p u' from rows[:n]; the rest of their last lines may become anything."""
+    if n > SHORT:
+        subtract_both(rows, n, u, p, padded(n))
+        return
+    for r in range(n):
+        own, one, other = rows[r], u[r], p[r]
         for j in range(n):
-            r0[j] += s0 * x[j]
-        p += 1
+            own[j] -= one * p[j] + other * u[j]
 
 
 @inner
@@ -96,4 +117,7 @@ def add_squares(shares, rows, count, n, weight, out):
     for i in range(n):
         for r in range(count):
             shares[r] = weight * rows[r][i]
-        add_rows(shares, rows, 0, count, n, out[i])
+        if n > SHORT:
+            add_long(shares, rows, 0, count, 0, n, out[i])
+        else:
+            add_rows(shares, rows, 0, count, n, out[i])

@@ -11,8 +11,9 @@ from __future__ import annotations
 import math
 
 from .compile import inner, integer
+from .lines import reflect, rotate, scale_behind
 from .orthogonal import padded
-from .sums import add_rows
+from .sums import SHORT, add_long, add_rows, multiply, multiply_long, subtract_products
 
 #: A matrix is positive definite if each squared pivot of its Cholesky factor is more than this share of its diagonal.
 DEFINITE = 1e-13
@@ -31,30 +32,71 @@ def eigen(M, U, values, n, noise):
 
     M is overwritten. `noise` is the share of the largest entry up to which others count as zero: 0 where eigenvalues
     far below it matter, as of a graded matrix; with :data:`NOISE` a matrix of low rank takes half of the time. The rows
-    of U have room for padded(n) numbers.
+    of M and U, and `values`, have room for padded(n) numbers.
     """
     tridiagonal(M, values, n)
+    gather_beside(M, n)
     accumulate(M, U, n)
-    diagonalise(M, U, values, n, padded(n), noise)
+    diagonalise(M[0], U, values, n, padded(n), noise)
 
 
 @inner
 def largest(M, values, n):
-    """The largest eigenvalue of M[:n, :n], which is overwritten and has no negative ones; 0 if n is 0."""
-    most = 0.0
+    r"""The largest eigenvalue of M[:n, :n], which is overwritten and has no negative ones; 0 if n is 0.
+
+    Of more than a few by Laguerre's method on the characteristic polynomial p of the tridiagonal matrix: from above all
+    roots it converges monotonically to the largest, cubically. With the pivots
+    :math:`q_i = (t - a_i) - b_i^2 / q_{i-1}`, whose product is p, :math:`p' / p = \sum q_i' / q_i`, and
+    :math:`(p' / p)' = \sum (q_i' / q_i)'`.
+    """
+    if n == 0:
+        return 0.0
     tridiagonal(M, values, n)
-    diagonalise(M, M, values, n, 0, NOISE)
-    for i in range(n):
-        most = max(most, values[i])
-    return most
+    gather_beside(M, n)
+    beside, t = M[0], 0.0
+    if n <= SHORT:
+        diagonalise(beside, M, values, n, 0, NOISE)
+        for i in range(n):
+            t = max(t, values[i])
+        return t
+    for i in range(n):  # Gershgorin's circles
+        after = abs(beside[i + 1]) if i + 1 < n else 0.0
+        t = max(t, values[i] + (abs(beside[i]) if i > 0 else 0.0) + after)
+    for _ in range(MOST if t > 0.0 else 0):
+        once, twice, pivot, slope, bend = 0.0, 0.0, 1.0, 0.0, 0.0
+        for i in range(n):
+            part = beside[i] * beside[i] / pivot if i > 0 else 0.0
+            rate = slope / pivot
+            curve = bend / pivot - 2.0 * rate * rate
+            pivot = t - values[i] - part
+            slope, bend = 1.0 + part * rate, part * curve
+            if not pivot > 0.0:
+                return t  # as near as round-off tells
+            change = slope / pivot
+            once += change
+            twice += bend / pivot - change * change
+        # roots further off: p' / p = 1 / (t - root) + (n - 1) equal others
+        spread = (n - 1) * max(-n * twice - once * once, 0.0)
+        less = n / (once + math.sqrt(spread))
+        if not less > ZERO * t:
+            return t
+        t -= less
+    return t
 
 
 @inner
-def diagonalise(M, U, values, n, columns, noise):
-    """QL steps on the tridiagonal matrix of :func:`tridiagonal`; they rotate the first columns of U along."""
-    beside, size = M[0], 0.0  # entry i is that of (i - 1, i)
+def gather_beside(M, n):
+    """Write the entries beside the diagonal of :func:`tridiagonal` to M[0]: entry i is that of (i - 1, i)."""
+    beside = M[0]
     for i in range(1, n):
         beside[i] = M[i - 1][i]
+
+
+@inner
+def diagonalise(beside, U, values, n, columns, noise):
+    """QL steps on a tridiagonal matrix, `values` and `beside`; they rotate the first columns of U along."""
+    size = 0.0
+    for i in range(1, n):
         size = max(size, abs(values[i]) + abs(beside[i]))
     size = noise * max(size, abs(values[0])) if n > 0 else 0.0
     end, tries = n - 1, integer(0)
@@ -101,7 +143,10 @@ def add_spectrum(U, values, n, count, scale, shares, out):
     for i in range(n):
         for p in range(count):
             shares[p] = scale * values[p] * U[p][i]
-        add_rows(shares, U, 0, count, n, out[i])
+        if n > SHORT:
+            add_long(shares, U, 0, count, 0, n, out[i])
+        else:
+            add_rows(shares, U, 0, count, n, out[i])
 
 
 @inner
@@ -122,40 +167,53 @@ def tridiagonal(M, values, n):
             size = -size
         first = head - size
         scale, along = 2.0 / (total + first * first), 0.0
-        row[i - 1], row[i], M[i - 1][i] = first, scale, size
+        row[i - 1], row[i] = first, scale
         # M - u p' - p u', with p = M u * scale - (u' M u) scale^2 / 2 u, in `values`.
+        if i > SHORT:
+            multiply_long(M, i, row, i, values)
+        else:
+            multiply(M, i, row, i, values)
         for r in range(i):
-            own, value = M[r], 0.0
-            for j in range(i):
-                value += own[j] * row[j]
-            values[r] = value * scale
+            values[r] *= scale
             along += values[r] * row[r]
         along *= 0.5 * scale
         for r in range(i):
             values[r] -= along * row[r]
-        for r in range(i):
-            own, one, other = M[r], row[r], values[r]
-            for j in range(i):
-                own[j] -= one * values[j] + other * row[j]
+        subtract_products(M, row, values, i)
+        M[i - 1][i] = size
     if n > 0:
         values[0] = M[0][0]
 
 
 @inner
 def accumulate(M, U, n):
-    """Write the product of the reflections in the rows of M, see :func:`tridiagonal`, to U."""
+    """Write the product of the reflections in the rows of M, see :func:`tridiagonal`, to U. Row 0 of M is left."""
     for i in range(n):
-        own, u, scale = U[i], M[i], M[i][i] if i > 0 else 0.0
-        for j in range(padded(n)):
+        own, wide = U[i], padded(n)
+        for j in range(wide):
             own[j] = 0.0
         own[i] = 1.0
-        for r in range(i if scale > 0.0 else 0):
-            row, along = U[r], 0.0
-            for j in range(i):
-                along += row[j] * u[j]
-            along *= scale
-            for j in range(i):
-                row[j] -= along * u[j]
+        scale = M[i][i] if i > 0 else 0.0
+        if scale > 0.0:
+            turn_over(U, M[i], scale, i)
+
+
+@inner
+def turn_over(U, u, scale, n):
+    """Multiply U[:n, :n] by the reflection I - scale u u'. The rest of the last line of u becomes zeros."""
+    if n >= SHORT:
+        wide = padded(n)
+        for j in range(n, wide):
+            u[j] = 0.0
+        reflect(U, n, u, scale, wide)
+        return
+    for r in range(n):
+        row, along = U[r], 0.0
+        for j in range(n):
+            along += row[j] * u[j]
+        along *= scale
+        for j in range(n):
+            row[j] -= along * u[j]
 
 
 @inner
@@ -165,13 +223,10 @@ def pair(beside, U, values, i, n):
     root = math.sqrt(half * half + entry * entry)
     t = entry / (half + (root if half >= 0.0 else -root))
     c = 1.0 / math.sqrt(1.0 + t * t)
-    s, one, other = t * c, U[i], U[i + 1]
     values[i] -= t * entry
     values[i + 1] += t * entry
     beside[i + 1] = 0.0
-    for j in range(n):
-        a, d = one[j], other[j]
-        other[j], one[j] = s * a + c * d, c * a - s * d
+    rotate(U[i], U[i + 1], t * c, c, n)
 
 
 @inner
@@ -202,10 +257,7 @@ def step(beside, U, values, begin, end, n):
         else:  # the limit as the cosine goes to zero
             p = before * square
             last, sign = sign, -last
-        one, other = U[i], U[i + 1]
-        for j in range(n):
-            a, d = one[j], other[j]
-            other[j], one[j] = s * a + cosine * d, cosine * a - s * d
+        rotate(U[i], U[i + 1], s, cosine, n)
     values[begin] = g + shift
     beside[begin + 1] = s * sign * math.sqrt(p)
 
@@ -232,19 +284,27 @@ def cholesky(M, L, n):
 def upper_factor(M, R, n, shares):
     """Write the upper triangular R, R' R = M[:n, :n]; False if M is not clearly positive definite.
 
-    As :func:`cholesky`, but by whole rows: half as many steps have to wait for others. `shares` is work space.
+    As :func:`cholesky`, but by whole rows: half as many steps have to wait for others. Of M the upper triangle is read.
+    `shares` is work space.
     """
+    wide = padded(n)
     for j in range(n):
         row, own = R[j], M[j]
         for c in range(n):
             row[c] = own[c]
         for p in range(j):
             shares[p] = -R[p][j]
-        add_rows(shares, R, 0, j, n, row)
+        if n > SHORT:
+            add_long(shares, R, 0, j, j, n, row)
+        else:
+            add_rows(shares, R, 0, j, n, row)
         pivot = row[j]
         if not pivot > DEFINITE * own[j]:
             return False
         over = 1.0 / math.sqrt(pivot)
+        if n > SHORT:
+            scale_behind(row, over, j, wide, row)
+            continue
         for c in range(n):
             row[c] *= over
         for c in range(j):
@@ -253,36 +313,52 @@ def upper_factor(M, R, n, shares):
 
 
 @inner
-def smallest(M, L, n):
+def turn(R, b, n):
+    """Replace b[:n] by the solution x of R' x = b, for an upper triangular R."""
+    for p in range(n):
+        own, value = R[p], b[p]
+        if value != 0.0:
+            b[p] = value = value / own[p]
+            for q in range(p + 1, n):
+                b[q] -= value * own[q]
+
+
+@inner
+def turn_back(R, b, n):
+    """Replace b[:n] by the solution x of R x = b, for an upper triangular R."""
+    for p in range(n - 1, -1, -1):
+        own, value = R[p], b[p]
+        for q in range(p + 1, n):
+            value -= own[q] * b[q]
+        b[p] = value / own[p]
+
+
+@inner
+def smallest(M, R, inverse, shares, n):
     r"""A lower bound of the eigenvalues of M[:n, :n]; 0 if it is not positive definite, infinite if n is 0.
 
     With the mean m and the deviation s of the eigenvalues of the inverse, :math:`1 / (m + s \sqrt{n - 1})` (Wolkowicz
     and Styan, 1980): the smallest one if there are two, if all are equal, or as one of them goes to zero. Both come
-    from traces, so that no axes matter. L is overwritten.
+    from traces, so that no axes matter: of :math:`R^{-T} R^{-1}`, which has the same eigenvalues. The other arrays are
+    work space.
     """
     if n == 0:
         return math.inf
-    if not cholesky(M, L, n):
+    if not upper_factor(M, R, n, shares):
         return 0.0
-    for j in range(n):  # column j of the inverse of L, kept in row j of the upper triangle of L
-        column = L[j]
-        for i in range(j + 1, n):
-            row, value = L[i], -L[i][j] / column[j]
-            for p in range(j + 1, i):
-                value -= row[p] * column[p]
-            column[i] = value / row[i]
     trace, squares = 0.0, 0.0
     for i in range(n):
-        for j in range(i + 1):  # the inverse of M
-            one, other = L[i], L[j]
-            value = 1.0 / one[i]
-            value *= other[i] if j < i else value
-            for p in range(i + 1, n):
-                value += one[p] * other[p]
-            if i == j:
-                trace += value
-                squares += value * value
-            else:
-                squares += 2.0 * value * value
+        row, over = inverse[i], 1.0 / R[i][i]
+        for p in range(n):
+            row[p] = 0.0
+        for p in range(i):
+            shares[p] = -over * R[p][i]
+        add_rows(shares, inverse, 0, i, i, row)
+        row[i] = over
+        multiply(inverse, i + 1, row, i + 1, shares)
+        for p in range(i):
+            squares += 2.0 * shares[p] * shares[p]
+        trace += shares[i]
+        squares += shares[i] * shares[i]
     mean = trace / n
     return 1.0 / (mean + math.sqrt(max(squares / n - mean * mean, 0.0) * (n - 1)))

@@ -54,6 +54,14 @@ class Numbers:
         """The line that begins with this entry."""
         return self.builder.load(self.builder.bitcast(self.at(first), LINE.as_pointer()), align=SIZE)
 
+    def some(self, first, which):
+        """The line that begins with this entry, of which nothing is read but those; zeros in place of others."""
+        pointer, flags = LINE.as_pointer(), ir.VectorType(ir.IntType(1), PAD)
+        kind = ir.FunctionType(LINE, [pointer, ir.IntType(32), flags, LINE])
+        load = get_or_insert_function(self.builder.module, kind, f"llvm.masked.load.v{PAD}f64.p0v{PAD}f64")
+        begin = self.builder.bitcast(self.at(first), pointer)
+        return self.builder.call(load, [begin, ir.IntType(32)(SIZE), which, ir.Constant(LINE, None)])
+
     def write(self, first, values):
         """Write a vector from this entry on."""
         self.builder.store(values, self.builder.bitcast(self.at(first), values.type.as_pointer()), align=SIZE)
@@ -117,6 +125,11 @@ class Writer:
         kind = ir.VectorType(LONG, PAD)
         first = self.everywhere(self.builder.sub(LONG(PAD), count), kind)
         return self.builder.icmp_signed(">=", ir.Constant(kind, list(range(PAD))), first)
+
+    def first(self, count):
+        """Which entries of a line are its first ones, so many."""
+        kind = ir.VectorType(LONG, PAD)
+        return self.builder.icmp_signed("<", ir.Constant(kind, list(range(PAD))), self.everywhere(count, kind))
 
     def number(self, values, place):
         """One entry of a vector."""

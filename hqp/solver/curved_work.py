@@ -13,6 +13,7 @@ from ..arrays import Array
 from ..hierarchy import Hierarchy, Label, Level
 from ..kernels import curved_layout as at
 from ..kernels import layout as plain
+from ..kernels.workspace import aligned
 from .curved_stages import Declared
 from .linearisation import Bound, Linearisation
 
@@ -55,6 +56,13 @@ def in_numbers(bound: Bound | None) -> tuple[int, int, int]:
 def integers(given: Any) -> NDArray[np.int64]:
     """These as one contiguous array."""
     return np.ascontiguousarray(given, dtype=np.int64).ravel()
+
+
+def lines(rows: int, columns: int = 1) -> Array:
+    """An array of zeros, shape (rows, columns), that begins with a line of the processor's cache."""
+    made = aligned(rows * columns).reshape(rows, columns)
+    made.fill(0.0)
+    return made
 
 
 def enter(directory: NDArray[np.int64], made: Mapping[int, NDArray[Any]]) -> None:
@@ -106,13 +114,14 @@ class Work:
         made: dict[int, NDArray[Any]] = {place: integers(given) for place, given in owned.items()}
         self._blocks, self._of_rows = len(linearisation.kinds), linearisation.block_of
         reals = at.shapes(n, levels, m, widest, n, self._blocks)[1]
-        self.told, begin = np.zeros(2 + m + sum(math.prod(reals[place]) for place in TOLD)), 2 + m
-        made[at.SPAN], made[at.STATE] = np.split(self.told[:begin].view(np.int64), [2])  # in the same block
+        self._begin = begin = plain.padded(2 + m)
+        self.told = lines(begin + sum(math.prod(reals[place]) for place in TOLD))[:, 0]
+        made[at.SPAN], made[at.STATE] = np.split(self.told[: 2 + m].view(np.int64), [2])  # in the same block
         for place in TOLD:
             rows, columns = reals[place]
             made[place] = self.told[begin : begin + rows * columns].reshape(rows, columns)
             begin += rows * columns
-        made |= {place: np.zeros(reals[place]) for place in TOGETHER}
+        made |= {place: lines(*reals[place]) for place in TOGETHER}
         made |= {
             at.DIRECTORIES: self.directories,
             at.S: linearisation.curvature,
@@ -173,7 +182,7 @@ class Work:
         own |= {
             place: np.zeros(shape[0] * shape[1], dtype=np.int64) for place, shape in ints.items() if place not in made
         }
-        own |= {place: np.zeros(shape) for place, shape in reals.items() if place not in made}
+        own |= {place: lines(*shape) for place, shape in reals.items() if place not in made}
         own[at.SHARES] = linearisation.shares[number or 0]
         directory = np.zeros(plain.HEAD + 3 * at.PLACES, dtype=np.int64)
         directory[[plain.N, plain.LEVELS, plain.ROWS, at.MEASURES, at.LOOKS_AHEAD, at.TOP, at.NUMBER]] = (
@@ -197,10 +206,10 @@ class Work:
     def declared(self, block: Array) -> Declared:
         """How levels were softened, from a copy of ``told``, the block of the numbers that tell it."""
         opened, last, *states = block[: 2 + self._rows].view(np.int64).tolist()
-        told = block[2 + self._rows :]
+        told, n = block[self._begin :], int(self.head[plain.N])
         ends = np.cumsum([rows * columns for rows, columns in self._shapes])
         parts = [part.reshape(shape) for part, shape in zip(np.split(told, ends[:-1]), self._shapes, strict=True)]
         points, strengths, norms, stiffness, combined, damped, aims = parts
-        n = len(points[0])
         vectors = strengths[:, 0], norms[:, self._of_rows], stiffness[:, 0]
-        return Declared(opened, last, np.array(states), points, *vectors, combined, damped.reshape(-1, n, n + 1), aims)
+        rows = damped[:, : n + 1].reshape(-1, n, n + 1)
+        return Declared(opened, last, np.array(states), points[:, :n], *vectors, combined, rows, aims[:, :n])
