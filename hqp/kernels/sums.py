@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from . import layout
 from .compile import inner, precise
-from .lines import add_lines_behind, add_to_lines, multiply_first, subtract_both
+from .lines import add_lines_behind, add_to_lines, multiply_first
 
 padded = inner(layout.padded)
 
@@ -93,22 +93,22 @@ def add_to_each(rows, count, shares, x, n):
     if n > SHORT:
         add_to_lines(rows, count, shares, x, padded(n))
         return
-    for p in range(count):
-        row, share = rows[p], shares[p]
+    p = 0
+    while p + 3 < count:
+        r0, r1, r2, r3 = rows[p], rows[p + 1], rows[p + 2], rows[p + 3]
+        s0, s1, s2, s3 = shares[p], shares[p + 1], shares[p + 2], shares[p + 3]
         for j in range(n):
-            row[j] += share * x[j]
-
-
-@inner
-def subtract_products(rows, u, p, n):
-    """Subtract u p' + p u' from rows[:n]; the rest of their last lines may become anything."""
-    if n > SHORT:
-        subtract_both(rows, n, u, p, padded(n))
-        return
-    for r in range(n):
-        own, one, other = rows[r], u[r], p[r]
+            value = x[j]
+            r0[j] += s0 * value
+            r1[j] += s1 * value
+            r2[j] += s2 * value
+            r3[j] += s3 * value
+        p += 4
+    while p < count:
+        r0, s0 = rows[p], shares[p]
         for j in range(n):
-            own[j] -= one * p[j] + other * u[j]
+            r0[j] += s0 * x[j]
+        p += 1
 
 
 @inner

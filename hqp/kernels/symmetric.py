@@ -11,9 +11,9 @@ from __future__ import annotations
 import math
 
 from .compile import inner, integer
-from .lines import reflect, rotate, scale_behind
+from .lines import reflect, rotate, scale_behind, subtract_both
 from .orthogonal import padded
-from .sums import SHORT, add_long, add_rows, multiply, multiply_long, subtract_products
+from .sums import SHORT, add_long, add_rows, multiply_long
 
 #: A matrix is positive definite if each squared pivot of its Cholesky factor is more than this share of its diagonal.
 DEFINITE = 1e-13
@@ -172,14 +172,24 @@ def tridiagonal(M, values, n):
         if i > SHORT:
             multiply_long(M, i, row, i, values)
         else:
-            multiply(M, i, row, i, values)
+            for r in range(i):
+                own, value = M[r], 0.0
+                for j in range(i):
+                    value += own[j] * row[j]
+                values[r] = value
         for r in range(i):
             values[r] *= scale
             along += values[r] * row[r]
         along *= 0.5 * scale
         for r in range(i):
             values[r] -= along * row[r]
-        subtract_products(M, row, values, i)
+        if i > SHORT:
+            subtract_both(M, i, row, values, padded(i))
+        else:
+            for r in range(i):
+                own, one, other = M[r], row[r], values[r]
+                for j in range(i):
+                    own[j] -= one * values[j] + other * row[j]
         M[i - 1][i] = size
     if n > 0:
         values[0] = M[0][0]
@@ -188,32 +198,26 @@ def tridiagonal(M, values, n):
 @inner
 def accumulate(M, U, n):
     """Write the product of the reflections in the rows of M, see :func:`tridiagonal`, to U. Row 0 of M is left."""
+    wide = padded(n)
     for i in range(n):
-        own, wide = U[i], padded(n)
+        own, u, scale = U[i], M[i], M[i][i] if i > 0 else 0.0
         for j in range(wide):
             own[j] = 0.0
         own[i] = 1.0
-        scale = M[i][i] if i > 0 else 0.0
-        if scale > 0.0:
-            turn_over(U, M[i], scale, i)
-
-
-@inner
-def turn_over(U, u, scale, n):
-    """Multiply U[:n, :n] by the reflection I - scale u u'. The rest of the last line of u becomes zeros."""
-    if n >= SHORT:
-        wide = padded(n)
-        for j in range(n, wide):
-            u[j] = 0.0
-        reflect(U, n, u, scale, wide)
-        return
-    for r in range(n):
-        row, along = U[r], 0.0
-        for j in range(n):
-            along += row[j] * u[j]
-        along *= scale
-        for j in range(n):
-            row[j] -= along * u[j]
+        if scale == 0.0:
+            continue
+        if i >= SHORT:
+            for j in range(i, padded(i)):
+                u[j] = 0.0
+            reflect(U, i, u, scale, padded(i))
+            continue
+        for r in range(i):
+            row, along = U[r], 0.0
+            for j in range(i):
+                along += row[j] * u[j]
+            along *= scale
+            for j in range(i):
+                row[j] -= along * u[j]
 
 
 @inner
@@ -287,28 +291,30 @@ def upper_factor(M, R, n, shares):
     As :func:`cholesky`, but by whole rows: half as many steps have to wait for others. Of M the upper triangle is read.
     `shares` is work space.
     """
-    wide = padded(n)
     for j in range(n):
         row, own = R[j], M[j]
-        for c in range(n):
-            row[c] = own[c]
-        for p in range(j):
-            shares[p] = -R[p][j]
         if n > SHORT:
+            for c in range(n):
+                row[c] = own[c]
+            for p in range(j):
+                shares[p] = -R[p][j]
             add_long(shares, R, 0, j, j, n, row)
-        else:
-            add_rows(shares, R, 0, j, n, row)
-        pivot = row[j]
-        if not pivot > DEFINITE * own[j]:
-            return False
-        over = 1.0 / math.sqrt(pivot)
-        if n > SHORT:
-            scale_behind(row, over, j, wide, row)
+            if not row[j] > DEFINITE * own[j]:
+                return False
+            scale_behind(row, 1.0 / math.sqrt(row[j]), j, padded(n), row)
             continue
-        for c in range(n):
-            row[c] *= over
+        over = 0.0
         for c in range(j):
             row[c] = 0.0
+        for c in range(j, n):
+            value = own[c]
+            for p in range(j):
+                value -= R[p][j] * R[p][c]
+            if c == j:
+                if not value > DEFINITE * own[j]:
+                    return False
+                over = 1.0 / math.sqrt(value)
+            row[c] = value * over
     return True
 
 
@@ -349,16 +355,17 @@ def smallest(M, R, inverse, shares, n):
     trace, squares = 0.0, 0.0
     for i in range(n):
         row, over = inverse[i], 1.0 / R[i][i]
-        for p in range(n):
-            row[p] = 0.0
-        for p in range(i):
-            shares[p] = -over * R[p][i]
-        add_rows(shares, inverse, 0, i, i, row)
+        for c in range(i):
+            value = 0.0
+            for p in range(c, i):
+                value -= R[p][i] * inverse[p][c]
+            row[c] = value * over
         row[i] = over
-        multiply(inverse, i + 1, row, i + 1, shares)
-        for p in range(i):
-            squares += 2.0 * shares[p] * shares[p]
-        trace += shares[i]
-        squares += shares[i] * shares[i]
+        for r in range(i + 1):
+            other, value = inverse[r], 0.0
+            for p in range(r + 1):
+                value += row[p] * other[p]
+            squares += value * value if r == i else 2.0 * value * value
+            trace += value if r == i else 0.0
     mean = trace / n
     return 1.0 / (mean + math.sqrt(max(squares / n - mean * mean, 0.0) * (n - 1)))
