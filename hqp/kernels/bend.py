@@ -33,6 +33,9 @@ DEPENDENT = 1e-10
 #: Share of the damping above that counts in these multipliers: the rows of a damped level give way to the levels below
 #: less than to what it asks for itself, as soft rows hold them (:mod:`.hand_over`).
 YIELDS = 0.1
+#: Between these shares of an error that a tick takes away, gain dt, it fades to none: the longer the step, the more of
+#: the curvature above it has to know, or it overshoots further every time.
+SLOW, FAST = 0.2, 0.4
 #: How often the curvatures of the rows above count in the damping. Across these rows x swings, with the lean as a mass
 #: and their curvatures as a spring, of which the multipliers tell only a part where the rows give way.
 AGAIN = 2.3
@@ -57,7 +60,8 @@ def multipliers(here, k, above, damped):
         wanted[marks(here, at.OWN)[p]] = 0.0
     if not some:
         return False
-    more = YIELDS * damped + DEPENDENT * longest
+    fade = min(1.0, max(0.0, (FAST - vector(here, at.SHARES)[k]) / (FAST - SLOW)))
+    more = fade * YIELDS * damped + DEPENDENT * longest
     for r in range(above):
         gram[r][r] += more
     fine = upper_factor(gram, L, above, shares)
