@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from hqp.arrays import Array
-from hqp.kernels import lines, orthogonal, sums, symmetric, vectors
+from hqp.kernels import definite, lines, orthogonal, sums, symmetric, vectors
 from hqp.kernels.layout import PAD
 
 #: By their names, what makes a matrix of this size.
@@ -78,8 +78,10 @@ def test_factor_and_largest_eigenvalue_of_a_positive_matrix(n: int) -> None:
         rows = rng.normal(size=(rank, n))
         A = rows.T @ rows
         for solver in (
-            kernels.compiled(symmetric, "largest", "upper_factor"),
-            kernels.plain(vectors, lines, orthogonal, sums, symmetric),
+            SimpleNamespace(
+                **vars(kernels.compiled(symmetric, "largest")), **vars(kernels.compiled(definite, "upper_factor"))
+            ),
+            kernels.plain(vectors, lines, orthogonal, sums, symmetric, definite),
         ):
             M, values = with_room(A), np.full(room(n)[1], np.nan)
             assert solver.largest(M, values, n) == pytest.approx(np.linalg.norm(A, 2), rel=1e-12)
@@ -93,8 +95,8 @@ def test_factor_and_largest_eigenvalue_of_a_positive_matrix(n: int) -> None:
 def test_the_bound_of_the_smallest_eigenvalue_is_that_of_the_moments_of_the_inverse(n: int) -> None:
     rng = np.random.default_rng(n)
     for solver in (
-        kernels.compiled(symmetric, "smallest"),
-        kernels.plain(vectors, lines, orthogonal, sums, symmetric),
+        kernels.compiled(definite, "smallest"),
+        kernels.plain(vectors, lines, orthogonal, sums, definite),
     ):
         rows = rng.normal(size=(n + 3, n))
         A, work = rows.T @ rows, [np.full(room(n), np.nan) for _ in range(2)]

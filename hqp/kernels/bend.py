@@ -20,10 +20,11 @@ from . import layout as plain
 from .call import called
 from .compile import inner
 from .curved_rows import measured, measured_basis
+from .definite import turn, turn_back, upper_factor
 from .directions import along, untouched
 from .memory import floats, ints, marks, matrix, vector
 from .sums import SHORT, add_long, add_rows, add_squares, multiply, multiply_long
-from .symmetric import NOISE, add_spectrum, bring_forward, eigen, turn, turn_back, upper_factor
+from .symmetric import NOISE, add_spectrum, bring_forward, eigen
 
 #: Up to this ratio of the curvature to the smallest squared singular value of J, the linearisation is trusted.
 TRUSTED = 0.3

@@ -21,10 +21,10 @@ from __future__ import annotations
 
 from . import layout as at
 from .compile import inner, integer
+from .definite import cholesky
 from .memory import ints, marks, matrix, vector
 from .orthogonal import only_entry, padded
 from .rows import entry_of
-from .symmetric import cholesky
 from .verdict import DECIDED
 
 #: The largest ratio of two weights of the level.

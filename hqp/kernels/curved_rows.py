@@ -7,10 +7,11 @@ import math
 from . import curved_layout as at
 from . import layout as plain
 from .compile import inner, integer
+from .definite import cholesky, smallest
 from .directions import along
 from .memory import ints, marks, matrix, vector
 from .sums import add_rows, add_squares, multiply
-from .symmetric import cholesky, largest, smallest
+from .symmetric import largest
 
 #: A row is violated if it is further from its bounds than this, relative to its value and that distance.
 VIOLATED = 1e-9

@@ -18,11 +18,11 @@ from . import curved_layout as at
 from . import layout as plain
 from .compile import inner, integer
 from .curved_rows import value_at
+from .definite import cholesky, turn, turn_back, upper_factor
 from .directions import add_along, along, take_along
 from .memory import ints, marks, matrix, vector
 from .orthogonal import length
 from .sums import SHORT, add_long, multiply_long
-from .symmetric import cholesky, turn, turn_back, upper_factor
 
 #: How often the bounds that are met are guessed before the solver is asked.
 GUESSES = 6

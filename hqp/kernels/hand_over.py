@@ -15,11 +15,12 @@ from . import curved_layout as at
 from . import layout as plain
 from .compile import inner, integer
 from .curved_rows import VIOLATED, measured, write_weighted
+from .definite import cholesky
 from .directions import along
 from .memory import ints, marks, matrix, vector
 from .orthogonal import length
 from .sums import SHORT, add_long, add_rows, add_to_each, multiply
-from .symmetric import cholesky, eigen
+from .symmetric import eigen
 
 #: Stiffness of a soft row that is half met; and the stiffness above which a row is held instead: levels below move it
 #: by the inverse of its square.

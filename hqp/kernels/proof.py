@@ -20,6 +20,7 @@ import math
 from . import layout as at
 from .closing import TOLD, variable_of
 from .compile import inner, integer
+from .definite import cholesky
 from .escape import nonnegative
 from .forces import as_they_are, gradient
 from .members import list_part, prepare
@@ -30,7 +31,6 @@ from .rows import EQUALITY, INACTIVE, LOWER, UPPER
 from .shift import STATIONARITY, round_off
 from .span import CLEAR, FREE_RANK, SOLVED_RANK, enter, take_up
 from .states import find_sides, rely_on
-from .symmetric import cholesky
 from .working_set import FROZEN, FUTURE, HARD, WORKING, append, balance
 
 #: Round-off of a sum of forces, relative to the forces: where non-negative least squares end.

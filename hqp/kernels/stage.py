@@ -9,10 +9,10 @@ from . import layout as plain
 from .brake import brake
 from .compile import inner
 from .curved_rows import write_gram
+from .definite import upper_factor
 from .directions import add_along, along
 from .memory import floats, ints, marks, matrix, vector
 from .sums import add_rows, multiply
-from .symmetric import upper_factor
 
 #: Regularisation of a matrix before its Cholesky factorisation, relative to its trace.
 REGULAR = 1e-12

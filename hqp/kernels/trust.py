@@ -66,7 +66,7 @@ def weigh(here, k):
 def inverse_of(here, there, first, end):
     """An upper bound of 1 over the smallest squared singular value of the triangle first .. end - 1 of L.
 
-    It is the inverse of :func:`.symmetric.smallest`, but from the inverse of the triangle that is there.
+    It is the inverse of :func:`.definite.smallest`, but from the inverse of the triangle that is there.
     """
     L, pivot, over, X = matrix(there, plain.L), marks(there, plain.PIVOT), vector(here, at.ROW_NOW), matrix(here, at.E)
     n, trace, squares = end - first, 0.0, 0.0
