@@ -78,14 +78,16 @@ def test_factor_and_largest_eigenvalue_of_a_positive_matrix(n: int) -> None:
         rows = rng.normal(size=(rank, n))
         A = rows.T @ rows
         for solver in (
-            SimpleNamespace(
-                **vars(kernels.compiled(symmetric, "largest")), **vars(kernels.compiled(definite, "upper_factor"))
-            ),
-            kernels.plain(vectors, lines, orthogonal, sums, symmetric, definite),
+            kernels.compiled(symmetric, "largest"),
+            kernels.plain(vectors, lines, orthogonal, sums, symmetric),
         ):
             M, values = with_room(A), np.full(room(n)[1], np.nan)
             assert solver.largest(M, values, n) == pytest.approx(np.linalg.norm(A, 2), rel=1e-12)
-            R, B = np.full(room(n), np.nan), A + 1e-3 * np.eye(n)
+        for solver in (
+            kernels.compiled(definite, "upper_factor"),
+            kernels.plain(vectors, lines, orthogonal, sums, definite),
+        ):
+            R, B, values = np.full(room(n), np.nan), A + 1e-3 * np.eye(n), np.full(room(n)[1], np.nan)
             assert solver.upper_factor(with_room(B), R, n, values)
             np.testing.assert_allclose(R[:, :n], np.linalg.cholesky(B).T, atol=1e-9)
             assert not solver.upper_factor(with_room(A - 1e-3 * np.eye(n)), R, n, values) or rank == n

@@ -75,7 +75,7 @@ class Reconstructed(Part):
     >>> q = [1.1, -1.3, -0.7]
     >>> place = PositionTask([1.0, 0.2], gain=2.0)
     >>> Controller(arm, Reconstructed(place, 0.1) >> OrientationTask(0.0, gain=2.0))(q).v.round(3)
-    array([ 1.171, -1.523,  1.632])
+    array([ 1.162, -1.502,  1.607])
     """
 
     task: Task = structure()
