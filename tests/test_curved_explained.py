@@ -9,6 +9,7 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
+import pytest
 from curved_stacks import DT, answers, arm, state
 
 from hqp import Hierarchy, Side, Solution, solve
@@ -63,18 +64,34 @@ def test_a_limit_that_is_named_is_at_its_bound_or_is_said_to_be_left() -> None:
     assert left > 0
 
 
-def lost(solution: Solution, k: int) -> float:
-    """What level k lacks more than without damping, relative, where those above stay where x is."""
+def norms(solution: Solution, k: int) -> tuple[float, float]:
+    """What level k lacks, and the least that it could lack where those above stay where x is."""
     h = solution.hierarchy.copy()
     value, whole = h.product(solution.x), h.levels[k]
     for j in range(k):
         own, level = slice(*h.pointers[j : j + 2]), h.levels[j]
-        out = (level.lower == level.upper) | (value[own] < level.lower) | (value[own] > level.upper)
+        out = (level.lower == level.upper) | (value[own] < level.lower - 1e-9) | (value[own] > level.upper + 1e-9)
         level.lower[out] = level.upper[out] = value[own][out]
     best = solve(Hierarchy(h.levels[: k + 1], n=h.n)).levels[k].residual_norm
     own = value[slice(*h.pointers[k : k + 2])]
-    lacks = float(np.linalg.norm(whole.weights * (own - np.clip(own, whole.lower, whole.upper))))
+    return float(np.linalg.norm(whole.weights * (own - np.clip(own, whole.lower, whole.upper)))), best
+
+
+def lost(solution: Solution, k: int) -> float:
+    """What level k lacks more than without damping, relative."""
+    lacks, best = norms(solution, k)
     return (lacks - best) / lacks
+
+
+def test_what_a_level_would_lack_without_damping_is_told_of_those_that_only_lean_on_the_last_velocities_too() -> None:
+    leaning = 0
+    for solution in solutions():
+        for level in solution.relaxed:
+            lacks, best = norms(solution, level.level)
+            assert level.strict_norm == pytest.approx(best, rel=1e-6, abs=1e-8)
+            assert level.excess == pytest.approx(lacks - best, rel=1e-6, abs=1e-6 * lacks + 1e-8)
+            leaning += level.damping == 0.0 and level.excess > 1e-3 * lacks
+    assert leaning > 5
 
 
 def test_a_level_is_called_damped_where_it_loses_by_it_and_nowhere_else() -> None:

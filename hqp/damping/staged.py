@@ -115,7 +115,7 @@ class Staging:
             if not solution.ok:
                 break
         gave = tuple(k for k, damping in dampings.items() if damping >= NONE)
-        return Stages(tuple(solutions), dampings, aim, self._work.copy(), self._solve, softened=gave)
+        return Stages(tuple(solutions), dampings, aim, self._solve, softened=gave)
 
     def _stages(self, x_ref: Array, aims: dict[int, Array], dampings: dict[int, float], ask: Ask) -> Iterator[Solution]:
         """Level after level is frozen in the work, and its lambda noted in `dampings`."""
@@ -224,7 +224,7 @@ class Staged:
         self.answers = {}
         if hierarchy.find_fault() or not (np.abs(x_ref) <= LARGEST).all():
             told = self._ask(len(hierarchy.levels), False, hierarchy, x_ref)
-            return Stages((told,), {}, {}, hierarchy.copy(), self._solve)
+            return Stages((told,), {}, {}, self._solve)
         return self._staging.run(hierarchy, x_ref, self._ask, aims=aims)
 
     def forget(self) -> None:

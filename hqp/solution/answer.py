@@ -8,6 +8,7 @@ from typing import Protocol
 from ..arrays import Array
 from ..certificate import Certificate, Explanation
 from ..hierarchy import Hierarchy
+from ..settings import Settings
 from .level import LevelSolution
 
 
@@ -25,6 +26,9 @@ class Answer(Protocol):
 
     @property
     def ok(self) -> bool: ...
+
+    @property
+    def settings(self) -> Settings: ...
 
     @property
     def message(self) -> str: ...

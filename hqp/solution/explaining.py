@@ -21,7 +21,7 @@ from ..hierarchy import Hierarchy, Side
 from .answer import Answer
 from .level import residual_norm
 from .softening import SMOOTH, direction_in_words, in_words, strongest, unmoved
-from .stages import Stages, softened_in, stage_of
+from .stages import Stages, softened_in, stage_of, undamped
 
 #: Where a level gave way, what is missing counts from so much of what its rows ask for on, and from so much in their
 #: unit: damping leaves a share of every wish undone, also of one that is round-off.
@@ -86,13 +86,7 @@ def _own(
 
 def _without(solution: Answer, staged: Stages, rows: RowStates, k: int, tolerance: float) -> LevelExplanation | None:
     """Level k without damping, below what the damped levels above reached at x; None if x is none of its optima."""
-    h = solution.hierarchy.copy()
-    reached = h.product(solution.x)
-    for j in (j for j in staged.dampings if j < k):
-        own, level = slice(*h.pointers[j : j + 2]), h.levels[j]
-        held = (rows.sides[own] == Side.EQUALITY) | rows.violated[own]
-        level.lower[held] = level.upper[held] = reached[own][held]
-    strict = staged.solve(Hierarchy(h.levels[: k + 1], n=h.n), solution.x_ref)
+    h, strict = solution.hierarchy, staged.solve(undamped(solution, staged, rows, k), solution.x_ref)
     lacked, least = residual_norm(h, k, solution.x), residual_norm(h, k, strict.x)
     if not strict.ok or abs(lacked - least) > COST * lacked:
         return None

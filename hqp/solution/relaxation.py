@@ -40,8 +40,11 @@ class Relaxation:
 
     @cached_property
     def strict_norm(self) -> float:
-        """The residual norm without the damping of this level, below the same levels; computed when first read."""
-        return self.residual_norm if self.damping == 0.0 else self._strict()
+        """The residual norm without the damping of this level, below what those above reached; solved when first read.
+
+        Under the default damping of a controller also without what pulls it to the last velocities.
+        """
+        return self._strict()
 
     @cached_property
     def softened(self) -> tuple[Softened, ...]:

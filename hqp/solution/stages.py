@@ -8,8 +8,8 @@ from functools import partial
 from typing import Any
 
 from ..arrays import Array, length
-from ..certificate import Certificate, Handed, left_alone
-from ..hierarchy import Hierarchy
+from ..certificate import Certificate, Handed, RowStates, left_alone, row_states
+from ..hierarchy import Hierarchy, Side
 from .answer import Answer
 from .level import residual_norm
 from .relaxation import Relaxation
@@ -29,8 +29,6 @@ class Stages:
         The lambda of every damped level that was reached; 0 where it was left strict.
     aims : dict of int to array
         What every damped level is damped towards; see :mod:`hqp.damping.staged`.
-    frozen : Hierarchy
-        The hierarchy with every damped level frozen at what it reached.
     solve : callable
         Solves a plain hierarchy, given x_ref.
     reached : dict of int to array
@@ -46,7 +44,6 @@ class Stages:
     solutions: tuple[Any, ...]  # of Solution, which is made of this
     dampings: dict[int, float]
     aims: dict[int, Array]
-    frozen: Hierarchy
     solve: Callable[[Hierarchy, Array], Answer]
     reached: dict[int, Array] = field(default_factory=dict)
     singular: str = ""
@@ -79,11 +76,24 @@ def _moved(solution: Answer, staged: Stages, k: int) -> float:
     return 0.0 if reached is None else length(level.weights * (solution.hierarchy.matrix(k) @ moved))
 
 
+def undamped(solution: Answer, staged: Stages, rows: RowStates, k: int) -> Hierarchy:
+    """The levels down to k as they were given, those above it that are damped held at what they reached at x."""
+    h = solution.hierarchy.copy()
+    reached = h.product(solution.x)
+    for j in (j for j in staged.dampings if j < k):
+        own, level = slice(*h.pointers[j : j + 2]), h.levels[j]
+        held = (rows.sides[own] == Side.EQUALITY) | rows.violated[own]
+        level.lower[held] = level.upper[held] = reached[own][held]
+    return Hierarchy(h.levels[: k + 1], n=h.n)
+
+
 def _strict_norm(solution: Answer, staged: Stages, k: int) -> float:
     """The residual norm of level k without its damping, below what the levels above it reached."""
     h = solution.hierarchy
-    strict = Hierarchy([*staged.frozen.levels[:k], h.levels[k]], n=h.n)
-    return residual_norm(strict, k, staged.solve(strict, solution.x_ref).x)
+    if stage_of(solution, k) is None:  # nothing beside its own rows
+        return residual_norm(h, k, solution.x)
+    rows = row_states(h, solution.x, solution.x_ref, solution.settings.tolerance)
+    return residual_norm(h, k, staged.solve(undamped(solution, staged, rows, k), solution.x_ref).x)
 
 
 def stage_of(solution: Answer, k: int) -> Answer | None:

@@ -193,7 +193,6 @@ class CurvedSolver:
             tuple(stages),
             {k: float(declared.strengths[k]) for k in declared.levels},
             {k: declared.aims[k] for k in declared.levels},
-            stages[-1].hierarchy,
             partial(solve_once, self.backend, self.settings),
             {k: declared.points[k] for k in declared.levels},
             self._linearisation.singular,
