@@ -32,25 +32,31 @@ def cholesky(M, L, n):
 
 
 @inner
+def factor_by_lines(M, R, n, shares):
+    """As :func:`upper_factor`, by whole rows: half as many steps have to wait for others."""
+    for j in range(n):
+        row, own = R[j], M[j]
+        for c in range(n):
+            row[c] = own[c]
+        for p in range(j):
+            shares[p] = -R[p][j]
+        add_long(shares, R, 0, j, j, n, row)
+        if not row[j] > DEFINITE * own[j]:
+            return False
+        scale_behind(row, 1.0 / math.sqrt(row[j]), j, padded(n), row)
+    return True
+
+
+@inner
 def upper_factor(M, R, n, shares):
     """Write the upper triangular R, R' R = M[:n, :n]; False if M is not clearly positive definite.
 
-    As :func:`cholesky`, but by whole rows: half as many steps have to wait for others. Of M the upper triangle is read.
-    `shares` is work space.
+    Of M the upper triangle is read. `shares` is work space.
     """
+    if n > SHORT:
+        return factor_by_lines(M, R, n, shares)
     for j in range(n):
-        row, own = R[j], M[j]
-        if n > SHORT:
-            for c in range(n):
-                row[c] = own[c]
-            for p in range(j):
-                shares[p] = -R[p][j]
-            add_long(shares, R, 0, j, j, n, row)
-            if not row[j] > DEFINITE * own[j]:
-                return False
-            scale_behind(row, 1.0 / math.sqrt(row[j]), j, padded(n), row)
-            continue
-        over = 0.0
+        row, own, over = R[j], M[j], 0.0
         for c in range(j):
             row[c] = 0.0
         for c in range(j, n):

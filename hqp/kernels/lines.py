@@ -19,14 +19,19 @@ from .vectors import LINE, LONG, NUMBER, written
 SIDE_BY_SIDE = {4: 2, 2: 4, 1: 4}
 
 
+def _add_products(write, rows, sums, x, wide):
+    """Add the products of these rows with x[:wide], each to its own sum."""
+    for (t,) in write.lines(wide, (1,)):
+        entries = x.line(t)
+        for row, one in zip(rows, sums, strict=True):
+            write.add(one, write.times(row.line(t), entries))
+
+
 def _products(write, rows, first, end, number_of, x, wide, out):
     """Write the products of rows first .. end - 1, which have these numbers, with x[:wide] to `out`."""
     for places in write.tiles(first, end):
         mine, sums = [rows.row(number_of(q)) for q in places], write.sums(len(places))
-        for (t,) in write.lines(wide, (1,)):
-            entries = x.line(t)
-            for row, one in zip(mine, sums, strict=True):
-                write.add(one, write.times(row.line(t), entries))
+        _add_products(write, mine, sums, x, wide)
         out.write(places[0], write.totals([write.together([one]) for one in sums]))
 
 
@@ -52,10 +57,7 @@ def _write_products_of_first(write, rows, count, x, n, out):
     some, there = builder.icmp_signed("!=", over, LONG(0)), write.first(over)
     for places in write.tiles(LONG(0), count):
         mine, sums = [rows.row(q) for q in places], write.sums(len(places))
-        for (t,) in write.lines(whole, (1,)):
-            entries = x.line(t)
-            for row, one in zip(mine, sums, strict=True):
-                write.add(one, write.times(row.line(t), entries))
+        _add_products(write, mine, sums, x, whole)
         with builder.if_then(some):
             entries = x.some(whole, there)
             for row, one in zip(mine, sums, strict=True):
@@ -335,10 +337,7 @@ def subtract_both(rows, count, u, p, wide):
 def _reflect(write, rows, count, u, scale, wide):
     for places in write.tiles(LONG(0), count):
         mine, sums = [rows.row(q) for q in places], write.sums(len(places))
-        for (t,) in write.lines(wide, (1,)):
-            entries = u.line(t)
-            for row, one in zip(mine, sums, strict=True):
-                write.add(one, write.times(row.line(t), entries))
+        _add_products(write, mine, sums, u, wide)
         along = write.totals([write.together([one]) for one in sums])
         shares = [write.everywhere(write.times(write.number(along, k), scale)) for k in range(len(mine))]
         for (t,) in write.lines(wide, (1,)):

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from . import layout
 from .compile import inner, precise
+from .layout import PAD
 from .lines import add_lines_behind, add_to_lines, multiply_first
-
-padded = inner(layout.padded)
+from .orthogonal import padded
 
 #: Rows of up to so many entries are faster entry by entry, as part of the loops around them, than by lines.
-SHORT = layout.PAD
+SHORT = PAD
 #: Splits a number into two of half its digits (Veltkamp 1968).
 SPLIT = 2.0**27 + 1.0
 
