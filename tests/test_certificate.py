@@ -249,6 +249,8 @@ def test_wrong_input_is_refused() -> None:
         certify(h, [np.nan])
     with pytest.raises(InvalidInput, match=r"x reaches 1e\+80; nothing beyond 1e\+60 can be judged"):
         certify(h, [1e80])
+    with pytest.raises(InvalidInput, match=r"x_ref reaches 1e\+300; nothing beyond 1e\+60 can be judged"):
+        certify(h, [1.0], x_ref=[1e300])
     with pytest.raises(InvalidInput, match="x_ref has shape"):
         certify(h, [1.0], x_ref=[1.0, 1.0])
     for tolerance in (0.0, -1.0, np.inf, np.nan, 1.0, "a"):

@@ -32,7 +32,7 @@ from ..checks import of_type, positive_number, truth
 from ..errors import InvalidInput
 from ..hierarchy import Hierarchy
 
-#: Largest entry of x that is judged: beyond it, squares of residuals overflow.
+#: Largest entry of x, and of x_ref, that is judged: beyond it, squares of residuals overflow.
 FURTHEST = 1e60
 
 
@@ -185,7 +185,7 @@ def certify(
     Raises
     ------
     InvalidInput
-        If x or x_ref has the wrong shape or is not finite, an entry of x is larger than 1e60, the tolerance is not
+        If x or x_ref has the wrong shape or is not finite, an entry of them is larger than 1e60, the tolerance is not
         between 0 and 1, unique is not True or False, or the hierarchy has a fault.
 
     Examples
@@ -240,8 +240,9 @@ def _checked(hierarchy: Hierarchy, x: ArrayLike, x_ref: ArrayLike | None) -> tup
     of_type(hierarchy, Hierarchy, "the hierarchy")
     point = finite_vector(x, hierarchy.n, "x")
     reference = np.zeros(hierarchy.n) if x_ref is None else finite_vector(x_ref, hierarchy.n, "x_ref")
-    if np.abs(point).max(initial=0.0) > FURTHEST:
-        raise InvalidInput(f"x reaches {np.abs(point).max():g}; nothing beyond {FURTHEST:g} can be judged")
+    for what, vector in (("x", point), ("x_ref", reference)):
+        if np.abs(vector).max(initial=0.0) > FURTHEST:
+            raise InvalidInput(f"{what} reaches {np.abs(vector).max():g}; nothing beyond {FURTHEST:g} can be judged")
     fault = hierarchy.find_fault()
     if fault:
         raise InvalidInput(fault)
