@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -248,6 +249,9 @@ def test_x_ref_is_checked() -> None:
     assert Solver().solve(h, [1.0, np.nan, 0.0]).status is Status.INVALID
     with pytest.raises(InvalidInput, match=r"takes a hqp\.Hierarchy, not a list"):
         solve([Level.equality(np.eye(2), 0.0)])  # type: ignore[arg-type]
+    for stranger in (None, SimpleNamespace(n=3), SimpleNamespace(n=3, structure=None)):
+        with pytest.raises(InvalidInput, match=r"takes a hqp\.Hierarchy, not a "):
+            Solver().solve(stranger)  # type: ignore[arg-type]
 
 
 def test_numbers_of_another_size_or_kind_are_refused():

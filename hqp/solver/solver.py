@@ -139,7 +139,8 @@ class Solver(SetOnce):
         try:
             # Around a small problem each call costs as much as some of its rows: what nearly all ticks do is done here.
             try:
-                as_before = x_ref is None and aims is None and hierarchy.structure is self._way.plain
+                plain = self._way.plain
+                as_before = x_ref is None and aims is None and hierarchy.structure is plain and plain is not None
             except AttributeError:  # no hierarchy
                 as_before = False
             if as_before:
