@@ -8,7 +8,7 @@ from . import curved_layout as at
 from . import layout as plain
 from .active_set import OPTIMAL
 from .compile import inner
-from .curved_rows import note_bounds, value_at
+from .curved_rows import note_bounds, only_entry, value_at
 from .memory import ints, marks, matrix, vector
 
 #: Share of its range within which a row of the strict answer is near a bound, and the power with which the nearness
@@ -77,14 +77,13 @@ def crowded(here, x):
 
     Bounds of a variable count as one pair, however many rows they are told in, and so do the two of a dense row.
     """
-    col = marks(here, plain.COL)
     least, most, columns, gate = vector(here, at.LEAST), vector(here, at.MOST), marks(here, at.COLUMNS), 0.0
     for p in range(len(columns)):
         j = columns[p]
         gate = max(gate, moves_along(x[j], least[j], most[j], NEAR, SOONER))
     for p in range(marks(here, at.OWN_OF)[ints(here, 0, plain.HEAD)[at.TOP]]):
         i = marks(here, at.OWN)[p]
-        if col[i] < 0:
+        if only_entry(here, i) < 0:
             low, high = ends_of(here, i)
             gate = max(gate, moves_along(value_at(here, i, x), low, high, NEAR, SOONER))
     return gate
