@@ -19,6 +19,8 @@ LEFT_BEHIND, EVENLY = 0.4, 1
 #: A leap of 1 is the first step of a variable at its bound that dies away at the rate of the fastest task. Up to the
 #: first of these leaps the strict answer follows the last x smoothly; from the second on it jumps.
 SMOOTH, JUMP = 0.2, 0.7
+#: A gate below this is that of a row at rest near its bound, but for round-off: a lean of such a weight means nothing.
+AT_REST = 1e-12
 #: Larger values of the last x count as unknown: their squares are too large for a hierarchy.
 FASTEST = 1e12
 
@@ -132,6 +134,8 @@ def crowd(here, strict):
     for block in marks(here, at.BLOCKS):
         note_bounds(block)
         own = 0.0 if not known else jumps(block, x) if strict == OPTIMAL else 1.0
+        if own < AT_REST:
+            own = 0.0
         vector(block, at.SO_FAR)[at.GATE] = own
         gate = max(gate, own)
     return gate
