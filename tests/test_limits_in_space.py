@@ -7,7 +7,7 @@ speed of the joints, at gains of up to 1/dt.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 
@@ -127,12 +127,12 @@ class Scene:
                 break
         self.target = Setpoint(self.here + 0.4 * self.ahead)
 
-    def control(self, damping: str | None, together: bool = False) -> Controller:
-        """Of the usual stack, the limit below that of the joints or on its level."""
+    def control(self, damping: str | None, together: bool = False, rest: np.ndarray | None = None) -> Controller:
+        """Of the usual stack, the limit below those of the joints or on their level, and this posture."""
         state = self.robot.at(self.q)
         about = state.pose[2:] if isinstance(self.robot, PlanarArm) else state.frame().rotation
         tasks = PositionTask(self.target, gain=self.pace) >> OrientationTask(about, gain=self.pace)
-        tasks = tasks >> PostureTask(self.q, gain=1.0)
+        tasks = tasks >> PostureTask(self.q if rest is None else rest, gain=1.0)
         limits = JointLimits() + self.guard.part if together else JointLimits() >> self.guard.part
         return Controller(self.robot, limits >> tasks, dt=self.dt, damping=damping)
 
@@ -158,23 +158,18 @@ def lacks(controller: Controller, x: np.ndarray, levels: int) -> list[float]:
     return found
 
 
-@pytest.mark.parametrize("together", [False, True], ids=["below", "beside"])
-@pytest.mark.parametrize(("name", "kind"), CASES)
-def test_at_the_same_state_limits_are_met_as_well_as_without_it(name: str, kind: str, together: bool) -> None:
-    """In front of a limit and beyond it, from any speed; joints near the ends of their ranges brake harder for it."""
-    hard = 0
-    for seed in range(12):
-        scene = Scene(name, kind, seed, (-0.05, 0.02))
-        v = scene.rng.uniform(-1.0, 1.0, scene.robot.nv) * scene.robot.velocity_limit
-        default, strict = (scene.control(damping, together) for damping in ("curvature", None))
-        calm, x = default(scene.q, v), strict(scene.q, v).v
-        own, other = (lacks(strict, answer, 1 if together else 2) for answer in (calm.v, x))
-        for mine, least in zip(own, other, strict=True):
-            assert mine <= least + 1e-9 * (1.0 + np.abs(x).max())
-        assert calm.solution.certify().ok
-        hard += own[-1] > 1e-6
-        assert together or beyond(scene, calm.v, moved(scene.robot, scene.q, scene.dt * calm.v)) <= BEYOND
-    assert hard > 0, "in some of them a limit could not be met at once"
+def same_state(name: str, kind: str, seed: int, together: bool) -> bool:
+    """At one state, whether some row of the limits is not met; they are met as well as without damping."""
+    scene = Scene(name, kind, seed, (-0.05, 0.02))
+    v = scene.rng.uniform(-1.0, 1.0, scene.robot.nv) * scene.robot.velocity_limit
+    default, strict = (scene.control(damping, together) for damping in ("curvature", None))
+    calm, x = default(scene.q, v), strict(scene.q, v).v
+    own, other = (lacks(strict, answer, 1 if together else 2) for answer in (calm.v, x))
+    for mine, least in zip(own, other, strict=True):
+        assert mine <= least + 1e-9 * (1.0 + np.abs(x).max())
+    assert calm.solution.certify().ok
+    assert together or beyond(scene, calm.v, moved(scene.robot, scene.q, scene.dt * calm.v)) <= BEYOND
+    return own[-1] > PASSED
 
 
 def curvature(scene: Scene, q: np.ndarray, step: np.ndarray, left: np.ndarray) -> np.ndarray:
@@ -184,42 +179,32 @@ def curvature(scene: Scene, q: np.ndarray, step: np.ndarray, left: np.ndarray) -
     return 0.55 * np.abs(np.diff([left, *ways], 2, axis=0)).max(axis=0) * parts**2
 
 
-def passed(scene: Scene, damping: str | None, together: bool, start: np.ndarray) -> float:
+def passed(name: str, kind: str, seed: int, together: bool) -> float:
     """By how much a run passes its limit at most, in a tick, beyond what curvature permits [m].
 
-    The target swings to the other side of the limit and back, and is then held there.
+    From rest, or at full speed towards the limit. The target swings to the other side of it and back, and stops there.
     """
-    controller, q, v, worst = scene.control(damping, together), scene.q, start, -np.inf
-    left, hold, rate = scene.guard.left(q), 40, scene.rng.uniform(3.0, 15.0)
+    scene = Scene(name, kind, seed, (0.005, 0.05))
+    controller, q, v, worst = scene.control("curvature", together), scene.q, seed % 2 * scene.towards(), 0.0
+    left, rate, distance = scene.guard.left(q), scene.rng.uniform(3.0, 15.0), kind == "distance"
     for k in range(70):
-        swing = np.sin(rate * scene.dt * min(k, hold)) if k < hold else 1.0
+        swing = np.sin(rate * scene.dt * k) if k < 40 else 1.0
         scene.target.move(scene.here + (0.1 + 0.5 * swing) * scene.ahead)
         step = controller(q, v)
         assert step.ok
         before, (q, v) = q, (moved(scene.robot, q, scene.dt * step.v), step.v)
         assert together or beyond(scene, v, q) <= BEYOND
         was, left = left, scene.guard.left(q)
-        if isinstance(scene.guard.part, DistanceLimit):
-            room = np.zeros(len(was))  # its reserve is for the curvature
-        else:
-            room = (1.0 - scene.gain * scene.dt) * was
-        near = left < np.maximum(room, 0.0)
-        if near.any():
-            curved = 0.0 if isinstance(scene.guard.part, DistanceLimit) else curvature(scene, before, q - before, was)
-            worst = max(worst, float((room - curved - left)[near].max()))
+        due = 0.0 * was if distance else (1.0 - scene.gain * scene.dt) * was
+        if (left < due).any():
+            worst = max(
+                worst, float((due - left - (0.0 if distance else curvature(scene, before, q - before, was))).max())
+            )
     return worst
 
 
-@pytest.mark.parametrize("together", [False, True], ids=["below", "beside"])
-@pytest.mark.parametrize(("name", "kind"), CASES)
-def test_limits_are_passed_by_curvature_alone(name: str, kind: str, together: bool) -> None:
-    for seed in range(4):
-        scene = Scene(name, kind, seed, (0.005, 0.05))
-        assert passed(scene, "curvature", together, seed % 2 * scene.towards()) <= PASSED
-
-
 def ticks_beyond(scene: Scene, damping: str | None) -> int:
-    """How long a robot that starts beyond a limit, with its target farther beyond, takes to come back."""
+    """How long a robot that starts at rest beyond a limit, with its target farther beyond, takes to come back."""
     controller, q, v = scene.control(damping), scene.q, np.zeros(scene.robot.nv)
     for k in range(500):
         if scene.guard.left(q).min() > -1e-4:
@@ -229,9 +214,61 @@ def ticks_beyond(scene: Scene, damping: str | None) -> int:
     return 500
 
 
-@pytest.mark.parametrize(("name", "kind"), CASES)
-def test_what_starts_beyond_a_limit_comes_back_as_soon_as_without_it(name: str, kind: str) -> None:
-    for seed in range(4):
-        gentle, strict = (ticks_beyond(Scene(name, kind, seed, (-0.04, -0.005)), damping) for damping in ("curvature", None))
-        print(name, kind, seed, gentle, strict)
-        assert gentle <= strict + 2
+both = pytest.mark.parametrize("together", [False, True], ids=["below", "beside"])
+cases = pytest.mark.parametrize(("name", "kind"), CASES)
+
+
+@both
+@cases
+def test_limits_are_met_as_well_as_without_damping(name: str, kind: str, together: bool) -> None:
+    """In front of a limit and beyond it, from any speed: joints near the ends of their ranges brake harder for it."""
+    unmet = [same_state(name, kind, seed, together) for seed in range(12)]
+    assert any(unmet), "some limits cannot be met at once: there it shows who yields"
+
+
+@both
+@cases
+def test_limits_are_passed_by_curvature_alone(name: str, kind: str, together: bool) -> None:
+    assert max(passed(name, kind, seed, together) for seed in range(4)) <= PASSED
+
+
+@cases
+def test_what_starts_beyond_a_limit_comes_back_as_soon_as_without_damping(name: str, kind: str) -> None:
+    for seed in range(3):
+        default, strict = (
+            ticks_beyond(Scene(name, kind, seed, (-0.04, -0.005)), damping) for damping in ("curvature", None)
+        )
+        assert default <= strict + 2
+
+
+@pytest.mark.sweep
+@both
+@cases
+def test_limits_in_many_scenes(name: str, kind: str, together: bool) -> None:
+    for seed in range(12, 100):
+        same_state(name, kind, seed, together)
+        assert passed(name, kind, seed, together) <= PASSED
+
+
+@cases
+def test_limits_beside_those_of_the_joints_or_below_them_are_the_same(name: str, kind: str) -> None:
+    """As long as all of them are met; joints that are near their bounds are so on both levels."""
+    damped = 0
+    for seed in range(8):
+        scene = Scene(name, kind, seed, (0.001, 0.05))
+        v = scene.rng.uniform(-1.0, 1.0, scene.robot.nv) * scene.robot.velocity_limit
+        below, beside = (scene.control("curvature", together)(scene.q, v) for together in (False, True))
+        if beside.solution.levels[0].residual_norm < BEYOND:
+            np.testing.assert_allclose(beside.v, below.v, atol=1e-6)
+            damped += len(below.relaxed)
+    assert damped
+
+
+@pytest.mark.parametrize("name", ["planar", "panda", "ur5"])
+def test_a_hand_at_rest_at_its_target_in_front_of_a_wall_is_proved(name: str) -> None:
+    """How fast it nears the wall is round-off."""
+    for seed in range(40):
+        scene = Scene(name, "box", seed, (1e-4, 0.03))
+        scene.target.move(scene.here)
+        rest = scene.q + 0.1 * scene.rng.normal(size=scene.robot.nv)
+        assert scene.control("curvature", seed % 2 == 1, rest)(scene.q, 0.0 * scene.q).solution.certify().ok
