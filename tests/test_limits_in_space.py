@@ -113,7 +113,7 @@ class Scene:
         self.dt = float(rng.choice(TICKS))
         self.gain, self.pace = (float(rng.choice(SHARES)) / self.dt for _ in range(2))
         assert robot.position_limit is not None
-        low, high = np.clip(robot.position_limit, -3.0, 3.0)
+        low, high = robot.position_limit
         while True:
             spread, ends = rng.uniform(low, high), np.where(rng.random(robot.nv) < 0.5, low + 0.04, high - 0.04)
             self.q = np.where(rng.random(robot.nv) < 0.3, ends, spread)
