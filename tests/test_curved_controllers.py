@@ -17,18 +17,14 @@ from tasks import (
     BoxLimit,
     Controller,
     Damped,
-    DistanceLimit,
     JointLimits,
     JointPositionLimit,
     OrientationTask,
     PlanarArm,
-    PlaneLimit,
     PositionTask,
     PostureTask,
-    Sphere,
     Task,
     load_robot,
-    planar_links,
     simulate,
 )
 from tasks.control.calm import GENTLE
@@ -171,13 +167,6 @@ def test_in_reach_it_is_the_strict_one() -> None:
     np.testing.assert_allclose(runs[0].q, runs[1].q, atol=1e-4)
 
 
-GUARDS = {
-    "box": lambda gain: BoxLimit([-2.0, -2.0], [1.1, 0.5], gain=gain),
-    "plane": lambda gain: PlaneLimit([-1.0, 0.0, 0.0], -1.1, gain=gain),
-    "ball": lambda gain: DistanceLimit(planar_links(arm(), 0.02), [Sphere([1.4, 0.2], 0.25)], margin=0.02, gain=gain),
-}
-
-
 @pytest.mark.parametrize("kind", ["four joints", "contradictory", "dependent", "wide"])
 def test_a_level_with_fewer_directions_than_rows_keeps_what_it_reached(kind: str) -> None:
     """Rows that round-off makes independent: what a level hands over are its directions, and the posture has the rest.
@@ -202,28 +191,6 @@ def test_a_level_with_fewer_directions_than_rows_keeps_what_it_reached(kind: str
         stack = JointLimits() >> place >> turn >> PostureTask(robot.home, gain=1.0)
         step = Controller(robot, stack, dt=0.01)(q, rng.uniform(-0.5, 0.5, robot.nv))
         assert step.solution.certify().ok
-
-
-@pytest.mark.parametrize("kind", GUARDS)
-@pytest.mark.parametrize("gain", [5.0, 1.0 / DT])
-def test_no_limit_pays_for_calm(kind: str, gain: float) -> None:
-    robot, most = arm(), {}
-    for damping in "curvature", None:
-        guard = GUARDS[kind](gain)
-        tip = PositionTask(out_and_back, gain=10.0)
-        controller = Controller(
-            robot, JointLimits() >> guard >> tip >> PostureTask([0.2] * 3, gain=1.0), dt=DT, damping=damping
-        )
-        q, v, worst = np.array([0.3, 0.5, 0.9]), np.zeros(3), 0.0
-        for k in range(400):
-            step = controller(q, v, k * DT)
-            assert step.ok
-            q, v = q + DT * step.v, step.v
-            lower, upper = controller.bounds(guard)
-            worst = max(worst, float(np.maximum(lower, -upper).max(initial=0.0)) / gain)
-            assert (np.abs(q) <= 2.6 + 1e-9).all()
-        most[damping] = worst
-    assert most["curvature"] <= most[None] + 1e-6
 
 
 def test_accelerations_brake_towards_the_rate_of_the_task() -> None:

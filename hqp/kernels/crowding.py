@@ -8,7 +8,7 @@ from . import curved_layout as at
 from . import layout as plain
 from .active_set import OPTIMAL
 from .compile import inner
-from .curved_rows import note_bounds, value_at
+from .curved_rows import note_bounds, only_entry, value_at
 from .memory import ints, marks, matrix, vector
 
 #: Share of its range within which a row of the strict answer is near a bound, and the power with which the nearness
@@ -19,6 +19,8 @@ LEFT_BEHIND, EVENLY = 0.4, 1
 #: A leap of 1 is the first step of a variable at its bound that dies away at the rate of the fastest task. Up to the
 #: first of these leaps the strict answer follows the last x smoothly; from the second on it jumps.
 SMOOTH, JUMP = 0.2, 0.7
+#: A gate below this is that of a row at rest near its bound, but for round-off: a lean of such a weight means nothing.
+AT_REST = 1e-12
 #: Larger values of the last x count as unknown: their squares are too large for a hierarchy.
 FASTEST = 1e12
 
@@ -77,14 +79,13 @@ def crowded(here, x):
 
     Bounds of a variable count as one pair, however many rows they are told in, and so do the two of a dense row.
     """
-    col = marks(here, plain.COL)
     least, most, columns, gate = vector(here, at.LEAST), vector(here, at.MOST), marks(here, at.COLUMNS), 0.0
     for p in range(len(columns)):
         j = columns[p]
         gate = max(gate, moves_along(x[j], least[j], most[j], NEAR, SOONER))
     for p in range(marks(here, at.OWN_OF)[ints(here, 0, plain.HEAD)[at.TOP]]):
         i = marks(here, at.OWN)[p]
-        if col[i] < 0:
+        if only_entry(here, i) < 0:
             low, high = ends_of(here, i)
             gate = max(gate, moves_along(value_at(here, i, x), low, high, NEAR, SOONER))
     return gate
@@ -133,6 +134,8 @@ def crowd(here, strict):
     for block in marks(here, at.BLOCKS):
         note_bounds(block)
         own = 0.0 if not known else jumps(block, x) if strict == OPTIMAL else 1.0
+        if own < AT_REST:
+            own = 0.0
         vector(block, at.SO_FAR)[at.GATE] = own
         gate = max(gate, own)
     return gate

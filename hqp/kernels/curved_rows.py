@@ -156,6 +156,24 @@ def stack_above(here, count, above, free):
 
 
 @inner
+def only_entry(here, i):
+    """The column of the only entry of row i that is not zero, or -1 if it has others: it bounds that variable alone.
+
+    So do the bounds of joints that share a level with rows of other kinds.
+    """
+    column, only = marks(here, plain.COL)[i], integer(-1)
+    if column >= 0:
+        return column
+    row = matrix(here, plain.A)[marks(here, plain.ROW_OF)[i]]
+    for j in range(ints(here, 0, plain.HEAD)[plain.N]):
+        if row[j] != 0.0:
+            if only >= 0:
+                return integer(-1)
+            only = integer(j)
+    return only
+
+
+@inner
 def note_bounds(here):
     """Write the tightest bounds of every variable, of all rows above the curved levels, to ``least`` and ``most``."""
     head, col, least, most = (
@@ -169,9 +187,15 @@ def note_bounds(here):
         least[j], most[j] = -math.inf, math.inf
     for p in range(marks(here, at.OWN_OF)[head[at.TOP]]):
         i = marks(here, at.OWN)[p]
-        j = col[i]
-        if j >= 0:
-            least[j], most[j] = max(least[j], lower[i]), min(most[j], upper[i])
+        j, low, high = only_entry(here, i), lower[i], upper[i]
+        if j < 0:
+            continue
+        if col[i] < 0:
+            entry = matrix(here, plain.A)[marks(here, plain.ROW_OF)[i]][j]
+            low, high = low / entry, high / entry
+            if entry < 0.0:
+                low, high = high, low
+        least[j], most[j] = max(least[j], low), min(most[j], high)
 
 
 @inner

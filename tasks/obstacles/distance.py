@@ -60,9 +60,9 @@ if TYPE_CHECKING:
 class DistanceLimit(Part):
     """Keep links at a distance from obstacles; see :mod:`tasks.obstacles.distance`.
 
-    Put it below the joint limits, or on their level, and above the tasks that must give way. The reserve is computed
-    from the largest joint speeds that the limits allow: at velocity order the stack needs a JointVelocityLimit or a
-    JointAccelerationLimit.
+    Put it below the joint limits and above the tasks that must give way. On the level of the joint limits both share
+    what cannot be met at once, and joints become too fast. The reserve is computed from the largest joint speeds that
+    the limits allow: at velocity order the stack needs a JointVelocityLimit or a JointAccelerationLimit.
 
     Parameters
     ----------
