@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import curved_stacks
 import numpy as np
@@ -22,6 +23,7 @@ from tasks import (
     PositionTask,
     PostureTask,
     Setpoint,
+    TargetTask,
     load_robot,
 )
 
@@ -90,6 +92,38 @@ def panda(seed: int) -> list[bool]:
     return agree(make, q, v)
 
 
+class Measured(TargetTask):
+    """The position of a tip, of which nobody tells how it curves."""
+
+    rows = 2
+
+    def measure(self, state: Any) -> Array:
+        return np.asarray(state.pose[:2])
+
+    def jacobian(self, state: Any) -> Array:
+        return np.asarray(state.jacobian[:2])
+
+
+def unknown(seed: int) -> list[bool]:
+    """The same position twice, above of unknown curvature, or below: what pushes on it pushes on both."""
+    robot, rng = curved_stacks.arm(seed), np.random.default_rng(seed)
+    q, v = rng.choice([0.05, 1.0]) * rng.uniform(0.2, 1.5, robot.nv), 0.1 * rng.standard_normal(robot.nv)
+    place = robot.at(q, v).pose[:2] + rng.choice([1e-4, 0.02]) * rng.standard_normal(2)
+    measured, tip = Measured(place, gain=10.0), PositionTask(place, gain=10.0)
+    first, second = (measured, tip) if seed % 2 else (tip, measured)
+    turn = OrientationTask(rng.uniform(-1.0, 1.0), gain=rng.uniform(0.5, 10.0))
+
+    def make() -> Controller:
+        return Controller(robot, first >> second >> turn >> PostureTask(q, gain=1.0), dt=DT)
+
+    return agree(make, q, v)
+
+
+@given(st.integers(0, 10**6))
+def test_gates_change_no_answer_where_a_curvature_is_not_known(seed: int) -> None:
+    unknown(seed)
+
+
 @given(st.integers(0, 10**6))
 def test_gates_change_no_answer_of_a_planar_arm(seed: int) -> None:
     planar(seed)
@@ -100,7 +134,7 @@ def test_gates_change_no_answer_of_a_panda(seed: int) -> None:
     panda(seed)
 
 
-@pytest.mark.parametrize("draw", [planar, panda])
+@pytest.mark.parametrize("draw", [planar, panda, unknown])
 def test_gates_are_open_for_some_draws_and_shut_for_others(draw: Callable[[int], list[bool]]) -> None:
     assert {needed for seed in range(12) for needed in draw(seed)} == {True, False}
 

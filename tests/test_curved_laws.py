@@ -16,6 +16,7 @@ from tasks import (
     Controller,
     Freeze,
     JointAccelerationLimit,
+    JointCouplingTask,
     JointLimits,
     JointVelocityLimit,
     LookAtTask,
@@ -190,6 +191,30 @@ def test_repeated_rows_do_not_hide_a_singularity(bend: float) -> None:
     assert once.relaxed[0].damping > 0.1
     assert twice.relaxed[0].damping == pytest.approx(once.relaxed[0].damping)
     assert twice.relaxed[1].damping > 0.1
+
+
+@pytest.mark.parametrize("order", ["velocity", "acceleration"])
+@pytest.mark.parametrize("target", [FAR, NEAR], ids=["far", "near"])
+def test_a_row_that_is_held_above_already_changes_nothing_below(target: list[float], order: str) -> None:
+    """Across what is held above nothing of it is left but round-off, whose direction means nothing."""
+    robot = PlanarArm([0.5, 0.4, 0.3, 0.2, 0.2], velocity_limit=3.0, acceleration_limit=30.0)
+    rest, damped = PostureTask([0.4, 1.0, 0.7, 0.5, 0.3], gain=1.0), 0
+
+    def tied(name: str) -> JointCouplingTask:
+        return JointCouplingTask({0: 0.3, 1: 0.7, 2: -0.4}, gain=3.0, name=name)
+
+    for seed in range(30):
+        rng = np.random.default_rng(seed)
+        q, v = rng.uniform(-1.0, 1.0, 5) * rng.choice([0.02, 0.3, 1.0]), rng.normal(0.0, 0.3, 5)
+        once, *others = (
+            Controller(robot, JointLimits() >> tied("tied") >> low >> rest, order=order, dt=DT)(q, v)
+            for low in (tip(target), tied("again") + tip(target), tip(target) + tied("again"))
+        )
+        for other in others:
+            size = np.abs(once.solution.x).max()
+            np.testing.assert_allclose(other.solution.x, once.solution.x, atol=1e-3 * max(1.0, size))
+        damped += len(once.relaxed)
+    assert damped > 30
 
 
 class OwnTip(TargetTask):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import scipy.sparse
 
-from hqp import Hierarchy, InvalidInput, Level, Settings, Solver, Status, solve
+from hqp import Hierarchy, InvalidInput, Label, Level, Settings, Solver, Status, solve
 from hqp.arrays import real_array
 
 
@@ -262,3 +262,16 @@ def test_numbers_of_another_size_or_kind_are_refused():
     twin = h.with_numbers(h.numbers.copy())
     twin.levels[1].A[0, 0] = 9.0
     assert h.levels[1].A[0, 0] == 1.0
+
+
+def test_rows_called_otherwise_are_the_same_rows() -> None:
+    """Whoever has the hierarchy of before has its words; both have the same numbers."""
+    given = small()
+    before, after = (given.with_labels({1: [Label("hand", row)]}) for row in "ab")
+    assert (before.label_of(2).row, after.label_of(2).row) == ("a", "b")
+    assert after.label_of(0) == given.label_of(0)
+    after.levels[1].upper[:] = 5.0
+    assert before.upper[2] == given.upper[2] == 5.0
+    assert after.structure == given.structure
+    with pytest.raises(InvalidInput, match=r"level 1 \('hand'\): labels: 2 for 1 rows; there must be one a row"):
+        given.with_labels({1: [Label("hand", "b")] * 2})

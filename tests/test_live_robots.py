@@ -172,6 +172,25 @@ def test_a_copied_robot_has_limits_of_its_own(name: str) -> None:
     assert not seen(later, setting).unlike(seen(controller, setting))
 
 
+@pytest.mark.parametrize("order", ["velocity", "acceleration"])
+def test_rows_that_begin_at_the_neutral_configuration_follow_it_into_other_ranges(order: Any) -> None:
+    def made(robot: Any) -> Controller:
+        folded = tasks.LinearHolonomicTask(np.eye(7)[[3]], 0.1, gain=2.0)
+        return Controller(robot, JointLimits() >> folded >> PostureTask(setting.q, gain=1.0), order=order, dt=DT)
+
+    setting, robot = SETTINGS["panda"](), spatial()
+    controller, ends, zero = made(robot), robot.position_limit, robot.neutral
+    first, home = seen(controller, setting), robot.home
+    assert zero[3] < 0.0, "zero is out of the range of this joint"
+    robot.position_limit = np.full((2, 7), 1.0) * [[-1.0], [1.0]]
+    assert robot.neutral[3] == 0.0
+    assert not seen(controller, setting).unlike(seen(made(robot), setting))
+    assert (np.abs(robot.home) <= 1.0).all()
+    robot.position_limit = ends
+    assert not seen(controller, setting).unlike(first)
+    np.testing.assert_array_equal(robot.home, home)
+
+
 #: What a robot knows of its file, and where it starts: no controller goes by it.
 FREE = {"closures", "home", "left_out", "recipe", "scene", "source", "springs"}
 

@@ -20,7 +20,7 @@ copy. A level of plain bounds on x keeps indices instead of rows.
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import Any
 from warnings import warn
@@ -31,7 +31,7 @@ from ..arrays import Array, Indices, lengths
 from ..checks import SetOnce, of_type
 from ..errors import InvalidInput
 from .form import called, checked_levels, form_of
-from .label import Label
+from .label import Label, Labels, labels_of
 from .level import Level
 
 #: Numbers beyond this one are refused, and rows shorter than its inverse are zero rows: squares of what lies
@@ -178,6 +178,22 @@ class Hierarchy(SetOnce):
             )
         twin = object.__new__(Hierarchy)
         twin.__setstate__((self._form, numbers))
+        return twin
+
+    def with_labels(self, labels: Mapping[int, Labels]) -> Hierarchy:
+        """A hierarchy on the same buffer, in which the rows of these levels are called otherwise.
+
+        Raises
+        ------
+        InvalidInput
+            If they are not a sequence of one Label a row, or a function that gives it.
+        """
+        called_now = list(self._labels)
+        for k, own in labels.items():
+            rows = self.pointers[k + 1] - self.pointers[k]
+            called_now[k] = labels_of(own, rows, f"{self.level_name(k)}: labels")
+        twin = object.__new__(Hierarchy)
+        twin.__setstate__((self._form | {"_labels": tuple(called_now)}, self.numbers))
         return twin
 
     def __copy__(self) -> Hierarchy:

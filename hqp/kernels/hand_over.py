@@ -110,12 +110,15 @@ def freeze(here, k, count, d, x, size):
 
 
 @inner
-def invert(M, G, L, half, count, d):
-    """Write M^-1 G, of shape (count, d), to `half`, and the identity to L; False if M = G G' is ill-conditioned."""
+def invert(M, G, L, half, count, d, least):
+    """Write M^-1 G, of shape (count, d), to `half`, and the identity to L; False if M = G G' is ill-conditioned.
+
+    A row that is not longer than `least`, as one that is held above already, is round-off, of whatever direction.
+    """
     if not cholesky(M, L, count):
         return False
     for r in range(count):
-        if L[r][r] * L[r][r] < WELL * M[r][r]:
+        if not M[r][r] > least * least or L[r][r] * L[r][r] < WELL * M[r][r]:
             return False
     for r in range(count):
         row, over = half[r], 1.0 / L[r][r]
@@ -154,7 +157,7 @@ def separate(here, count, d, size):
         multiply(G, r + 1, G[r], d, M[r])
         for q in range(r):
             M[q][r] = M[r][q]
-    if count <= d and invert(M, G, U, half, count, d):
+    if count <= d and invert(M, G, U, half, count, d, NONE * size):
         return integer(count)
     eigen(M, U, values, count, 0.0)
     rank = integer(0)

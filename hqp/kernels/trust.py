@@ -204,6 +204,8 @@ def repeated(here, there, k, count, first, end, f):
     """Whether those of the `count` rows of level k that are none of its rows first .. end - 1 of V repeat others.
 
     As :func:`.redundant.least_apart` decides, but by the triangle in the directory `there`; f as in :func:`pull_along`.
+    False where one of them has an unknown curvature: the triangle has one of two alike, which may be the one that is
+    not known, and multipliers by both, as those that decide, then ask for more.
     """
     gather(here, k)
     n, J, ids = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.J), marks(here, at.IDS)
@@ -223,8 +225,9 @@ def repeated(here, there, k, count, first, end, f):
     pull_along(here, there, end, f)
     hand_up(here, there, k, end)
     most = BALANCED * math.sqrt(longest(here, count) * size)
-    balanced = has_unknown(here, k) or contract(here, ints(here, 0, plain.HEAD)[at.TOP], k + 1) <= most
-    if not balanced:
+    known = not has_unknown(here, k)
+    balanced = known and contract(here, ints(here, 0, plain.HEAD)[at.TOP], k + 1) <= most
+    if known and not balanced:
         for i in range(f):
             for j in range(f):
                 S[i][j] = S[free[i]][free[j]]

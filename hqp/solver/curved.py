@@ -180,9 +180,7 @@ class CurvedSolver:
         given, declared, curved = solution.hierarchy, self._work.declared(told), self._linearisation.curved
         zero, stages = np.zeros(given.n), list[Solution]()
         for k in declared.levels:
-            template = self._stages[k]
-            assert template is not None
-            stage = Stage(given, template, curved, declared).hierarchy
+            stage = Stage(given, self._template(k, given), curved, declared).hierarchy
             stages.append(
                 Solution(declared.points[k], Status.OPTIMAL, self.backend, stage, zero, self.settings, staged=None)
             )
@@ -199,6 +197,13 @@ class CurvedSolver:
             softened=softened(declared, given.pointers),
             handed=handed(given, declared),
         )
+
+    def _template(self, k: int, given: Hierarchy) -> Hierarchy:
+        """The structure of the stage of level k, with the labels of a hierarchy that was given."""
+        known = self._stages[k]
+        assert known is not None
+        alike = all(own.labels is told.labels for own, told in zip(self._hierarchy.levels, given.levels, strict=True))
+        return known if alike else stage_of(given, k, self._linearisation.curved)
 
     def _answer_stage(self, directory: int, numbers: int) -> int:
         """Solve the stage of this directory by the backend: an outcome."""

@@ -239,8 +239,8 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
         ------
         InvalidInput
             If q, v or t has the wrong shape, or v is None at an order that needs it. Values never raise: if a number
-            is not finite, or a quaternion or a point on a circle does not have norm 1, the status of the solution is
-            INVALID and nothing moves.
+            that a row goes by is not finite, or a quaternion or a point on a circle does not have norm 1, the status
+            of the solution is INVALID and nothing moves. A v that only the default damping looks at is then unknown.
         InUse
             If another thread is in this controller, or in another one of the same robot with a shared workspace.
         """

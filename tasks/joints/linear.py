@@ -2,7 +2,7 @@ r"""Task: linear relations between joint positions, :math:`A (q \ominus q_0) = b
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -66,6 +66,8 @@ class LinearHolonomicTask(LoopTask, TargetTask):
     >>> task.error(arm.at([0.3, 0.2, 0.9]), 0.0).round(9).tolist()
     [0.3]
     """
+
+    reads_limits: ClassVar[bool] = True  # the neutral configuration lies within the ranges
 
     def __init__(
         self,

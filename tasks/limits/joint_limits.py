@@ -6,11 +6,11 @@ faster to solve.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from math import inf
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
+
+import numpy as np
 
 from hqp import InvalidInput, Label, Side
 from hqp.checks import of_type
@@ -111,14 +111,10 @@ class JointLimits(Part):
             if limit is not own and (order != "displacement" or limit.quantity == "position")
         ]
         rest = f"{' or '.join(others)} limit" if others else "limit"
+        constant = np.full(robot.nv, inf) if own is None else own.ends(robot)[1]
         return [
-            Label(
-                self.name,
-                joint,
-                unit + PER[order],
-                Which(inf if own is None else partial(_largest, own, robot, j), f"{order} limit", rest),
-            )
-            for j, (joint, unit) in enumerate(zip(joint_names(robot), joint_units(robot), strict=True))
+            Label(self.name, joint, unit + PER[order], Which(largest, f"{order} limit", rest))
+            for joint, unit, largest in zip(joint_names(robot), joint_units(robot), constant.tolist(), strict=True)
         ]
 
     def __repr__(self) -> str:
@@ -131,26 +127,14 @@ class Which:
 
     Attributes
     ----------
-    constant : float or callable
-        The constant limit, or a function that gives it, as it may be set at any time. A copy keeps its present value.
+    constant : float
+        The constant limit, infinite where there is none.
     name, rest : str
     """
 
-    constant: float | Callable[[], float]
+    constant: float
     name: str
     rest: str
 
     def __call__(self, side: Side, bound: float) -> str:
-        constant = self._now()
-        return self.name if abs(abs(bound) - constant) <= SAME * constant < inf else self.rest
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return Which, (self._now(), self.name, self.rest)
-
-    def _now(self) -> float:
-        return self.constant() if callable(self.constant) else self.constant
-
-
-def _largest(limit: JointLimit, robot: Robot, joint: int) -> float:
-    """The largest value that a limit permits in one joint."""
-    return float(limit.ends(robot)[1, joint])
+        return self.name if abs(abs(bound) - self.constant) <= SAME * self.constant < inf else self.rest

@@ -176,10 +176,11 @@ class PinocchioRobot(Configurations, Semantic, Shaped, Framed):
         q = finite(value, f"{self!r}: home")
         if q.shape != (self.nq,):
             raise InvalidInput(f"{self!r}: home has shape {q.shape}; it must be ({self.nq},)")
+        self._home = q  # as it was given: wider limits bring it back
         return self._inside(q)
 
     def _renew(self) -> None:
-        self._neutral, self.home = self._inside(self._begun), self._inside(self.home)
+        self._neutral, self.home = self._inside(self._begun), self._home
 
     @property
     def neutral(self) -> Array:

@@ -28,8 +28,3 @@ def empty_level(parts: tuple[RowWriter, ...], robot: Robot, order: Order, unknow
     identity = np.eye(unknowns.n)
     A = [identity[p.columns(unknowns, robot)] if p.plain else np.zeros((p.size(robot), unknowns.n)) for p in parts]
     return Level(np.concatenate(A), zeros, zeros, weights=weights, name=name, labels=labels)
-
-
-def row_names(part: RowWriter, robot: Robot, order: Order) -> list[str]:
-    """What its rows are called."""
-    return [label.row for label in part.labels(robot, order)]

@@ -7,11 +7,10 @@ from math import isfinite
 
 import numpy as np
 
-from hqp import Hierarchy, InvalidInput
+from hqp import Hierarchy, InvalidInput, Label
 
 from ..base.live import Live, watch_alone
 from ..robots.robot import Quantity, Robot, RobotState
-from .empty import row_names
 from .envelope import QUANTITIES
 from .expansion import Expanded
 from .ledger import Ledger
@@ -58,7 +57,9 @@ class HierarchyWriter(PlannedRows):
         self._live = live
         super().__init__(expanded, robot, order, dt, memory, bends=live)
         self._own_limits = None if isinstance(robot, Live) or not live else OwnLimits(robot)
-        self._names = [row_names(part, robot, order) for part in self.levels.all_parts] if live else []
+        self._labels: dict[int, list[Label]] = {k: [] for k in range(len(self._views))}
+        if live:
+            self._label(range(len(self._views)))
         if isinstance(robot, Live) and live:
             watch_alone(robot, self)
 
@@ -90,12 +91,26 @@ class HierarchyWriter(PlannedRows):
                     continue
             else:
                 view.check(self._robot, self._order, self._dt)
-            if row_names(view, self._robot, self._order) != self._names[k]:
+            if names(view.labels(self._robot, self._order)) != names(self._labels[k]):
                 raise InvalidInput(f"{view.full_name()}: with another {name} it has other rows; {view._instead}")
         if not limits:
             self._plan(own)
         elif not self._reclaim(part, changed, own):  # by which others go
             self._take_up()
+        self._label(own)
+
+    def _label(self, which: Iterable[int]) -> None:
+        """Call rows by what these parts are now, in another hierarchy: earlier answers keep the words of their tick."""
+        said = {k: self._views[k][0].labels(self._robot, self._order) for k in which}
+        said = {k: labels for k, labels in said.items() if labels != self._labels[k]}
+        if not said:
+            return
+        self._labels |= said
+        changed = {self.places.levels[k]: list[Label]() for k in said}
+        for k, level in enumerate(self.places.levels):
+            if level in changed:
+                changed[level] += self._labels[k]
+        self.hierarchy = self.hierarchy.with_labels(changed)
 
     def renumber(self, part: Live, changed: Sequence[str], own: Sequence[int]) -> bool:
         """Write numbers of a part that have changed where its plans have put them; False where it takes new plans.
@@ -144,9 +159,11 @@ class HierarchyWriter(PlannedRows):
             for k in claims:
                 check_numbers(self._views[k][0], self._robot, self._order, self._dt)
             if not claims or self._renew_limits(claims, QUANTITIES):
+                self._label(claims)
                 return
         self._check()
         self._take_up()
+        self._label(range(len(self._views)))
 
     def _reads_limits(self, claims: Sequence[int]) -> bool:
         """Whether somebody may go by the limits of the robot, beside those who claim them."""
@@ -206,3 +223,8 @@ class HierarchyWriter(PlannedRows):
         for lower, upper, rows in self._unbounded:
             lower[rows], upper[rows] = -np.inf, np.inf
         return self.hierarchy
+
+
+def names(labels: Iterable[Label]) -> list[str]:
+    """What labels call rows."""
+    return [label.row for label in labels]
