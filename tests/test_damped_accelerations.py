@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 import hqp
 from hqp import ErrorDamping, SingularValueDamping
@@ -28,6 +29,7 @@ from tasks import (
     PositionTask,
     PostureTask,
     Task,
+    load_robot,
 )
 
 ARM = PlanarArm([0.5, 0.4, 0.3])
@@ -202,3 +204,20 @@ def test_by_default_an_arm_far_out_of_reach_comes_to_rest(seed: int, order: str)
         q, v = q + DT * v + 0.5 * DT**2 * a, v + DT * a
         fastest = max(fastest, np.abs(v).max()) if k >= 1200 else 0.0
     assert fastest < 0.1
+
+
+@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("name", ["ur5", "ur10"])
+def test_by_default_a_posture_does_not_swing_an_arm_out_of_reach(name: str, seed: int) -> None:
+    """It is slow, and soft rows above, which turn and stiffen with the joints, are a spring to what it leaves alone."""
+    rng, robot = np.random.default_rng(seed), load_robot(name, acceleration_limit=50.0)
+    way = rng.normal(size=3) * [1.0, 1.0, 0.5]
+    gain, to = rng.uniform(10.0, 20.0), Rotation.from_quat(rng.normal(size=4)).as_matrix()
+    far = PositionTask(rng.uniform(1.2, 3.0) * way / np.linalg.norm(way), gain=gain)
+    stack = JointLimits() >> far >> OrientationTask(to, gain=gain) >> PostureTask(robot.home, gain=2.0)
+    controller, q, v, fastest = Controller(robot, stack, order="acceleration", dt=DT), robot.home, np.zeros(6), 0.0
+    for k in range(2400):
+        a = controller(q, v).a
+        q, v = robot.integrate(q, DT * v + 0.5 * DT**2 * a), v + DT * a
+        fastest = max(fastest, np.abs(v).max()) if k >= 2000 else 0.0
+    assert fastest < 0.03

@@ -39,10 +39,11 @@ FADED = 1.5
 #: gain dt: on the first level that has a curvature, and below it. The lean makes x lag by its square over the gain; at
 #: 1/2 the closed loop is critically damped.
 LEAN, LEAN_BELOW = 0.0316, 0.6
-#: Weight of the brake below the first level that has a curvature, relative to the longest row, times the square of the
-#: gate: at acceleration order it pulls all directions to the aim of that first level. Along those that its rows hardly
-#: feel, as bends of an arm that is nearly straight, nothing else keeps the levels below from swinging.
-BRAKED = 0.1
+#: Weight of the brake below the first level that has a curvature, relative to the longest row and to the soft rows
+#: above, times the square of the gate: at acceleration order it pulls all directions to the aim of that first level.
+#: Bends of an arm that is nearly straight are hardly felt by its rows, so that nothing else keeps the levels below from
+#: swinging these; and soft rows turn and stiffen with the joints, which is a spring without a damper.
+BRAKED = 0.25
 #: The c in the metric of the lean, G'G + P + c |J|^2: as a rule; and if the last x moves along bounds, on the first
 #: level and below it. Near bounds it is in between, as their geometric mean: the lag of weak directions grows like c.
 ALIKE, ALIKE_AT_BOUNDS, ALIKE_BELOW = 0.06, 0.85, 1.0

@@ -89,12 +89,29 @@ def out_of_metric(here, d):
 
 
 @inner
+def brake_all(here, d, firm):
+    """Add firm L L' to M and firm L L' r to ``mu``, for the metric factor L and the r (d,) in ``values``."""
+    M, L, there, towards = matrix(here, at.M), matrix(here, at.METRIC), vector(here, at.VALUES), vector(here, at.MU)
+    stiff = ints(here, 0, plain.HEAD)[at.STIFF] != 0  # else L is the identity, and not written
+    for p in range(d):
+        for q in range(p + 1):
+            weight = firm if p == q and not stiff else 0.0
+            for r in range(q + 1 if stiff else 0):
+                weight += firm * L[p][r] * L[q][r]
+            M[p][q] += weight
+            towards[p] += weight * there[q]
+            if q < p:
+                M[q][p] += weight
+                towards[q] += weight * there[p]
+
+
+@inner
 def draw(here, k, d, lean):
     r"""Write M = L P L' + W of damping and lean, and ``mu`` = L P L' r + W v, aim r, last x v; whether M is not 0.
 
     The weight of the lean, :math:`W = w^2 (G^T G + L P L^T + c |J|^2)`, is relative to the rows and the damping, so
     that directions with small weights do not lag longer than others. What lags is braked: see :mod:`.brake`. Where
-    nothing leans, as at acceleration order, levels below the first one brake towards its aim.
+    nothing leans, as at acceleration order, levels below the first one brake towards its aim, in the metric L L'.
     """
     head, so_far, M, E = ints(here, 0, plain.HEAD), vector(here, at.SO_FAR), matrix(here, at.M), matrix(here, at.E)
     there, towards, trace = vector(here, at.VALUES), vector(here, at.MU), 0.0
@@ -122,9 +139,7 @@ def draw(here, k, d, lean):
     firm = so_far[at.FIRM] * unit
     if firm > 0.0:  # towards the aim of the first level, whose damping the levels below would else undo
         along(here, matrix(here, at.AIMS)[head[at.TOP]], d, there)
-        for p in range(d):
-            M[p][p] += firm
-            towards[p] += firm * there[p]
+        brake_all(here, d, firm)
     for p in range(d):
         trace += M[p][p]
     least = DECIDED * unit if trace > 0.0 and lean == 0.0 else 0.0
