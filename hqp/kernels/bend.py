@@ -23,7 +23,7 @@ from .curved_rows import measured, measured_basis
 from .definite import turn, turn_back, upper_factor
 from .directions import along, untouched
 from .memory import floats, ints, marks, matrix, vector
-from .sums import SHORT, add_long, add_rows, add_squares, multiply, multiply_long
+from .sums import add_rows, add_squares, multiply
 from .symmetric import NOISE, add_spectrum, bring_forward, eigen
 
 #: Up to this ratio of the curvature to the smallest squared singular value of J, the linearisation is trusted.
@@ -180,12 +180,8 @@ def bent_along(here, d, Z, given, out):
         else:
             for j in range(n):
                 half[j] = 0.0
-            if n > SHORT:
-                add_long(Z[p], S, 0, n, 0, n, half)
-                multiply_long(Z, p + 1, half, n, row)
-            else:
-                add_rows(Z[p], S, 0, n, n, half)
-                multiply(Z, p + 1, half, n, row)
+            add_rows(Z[p], S, 0, n, n, half)
+            multiply(Z, p + 1, half, n, row)
         for q in range(p):
             M[q][p] = row[q]
             norm += 2.0 * row[q] * row[q]

@@ -19,7 +19,7 @@ from .definite import cholesky
 from .directions import along
 from .memory import ints, marks, matrix, vector
 from .orthogonal import length
-from .sums import SHORT, add_long, add_rows, add_to_each, multiply
+from .sums import add_rows, add_to_each, multiply
 from .symmetric import eigen
 
 #: Stiffness of a soft row that is half met; and the stiffness above which a row is held instead: levels below move it
@@ -42,10 +42,7 @@ def set_aside(here, row, d):
     row[d - 1] += size if row[d - 1] > 0.0 else -size
     for j in range(n):
         turned[j] = 0.0
-    if n > SHORT:
-        add_long(row, basis, 0, d, 0, n, turned)
-    else:
-        add_rows(row, basis, 0, d, n, turned)
+    add_rows(row, basis, 0, d, n, turned)
     for p in range(d):
         total += row[p] * row[p]
     for p in range(d):

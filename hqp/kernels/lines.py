@@ -62,8 +62,39 @@ def _write_products_of_first(write, rows, count, x, n, out):
             entries = x.some(whole, there)
             for row, one in zip(mine, sums, strict=True):
                 terms = write.times(row.line(whole), entries)
-                write.add(one, builder.select(there, terms, ir.Constant(LINE, None)))
+                write.add(one, write.among(there, terms))
         out.write(places[0], write.totals([write.together([one]) for one in sums]))
+
+
+def _write_products_of_line(write, rows, count, x, n, out):
+    there = write.first(n)
+    entries = x.some(LONG(0), there)
+    for places in write.tiles(LONG(0), count):
+        terms = [write.times(rows.row(q).line(LONG(0)), entries) for q in places]
+        out.write(places[0], write.totals([write.among(there, each) for each in terms]))
+
+
+@written(_write_products_of_line)
+def multiply_line(rows, count, x, n, out):
+    """As :func:`multiply_first` for rows of one line at most, x[:n]: with nothing to loop over in them."""
+    for q in range(count):
+        out[q] = sum(rows[q][t] * x[t] for t in range(n))
+
+
+def _write_sum_of_line(write, shares, rows, first, end, out):
+    (total,) = write.sums(1)
+    write.add(total, out.line(LONG(0)))
+    for (q,) in write.tiles(first, end, sizes=(1,)):
+        write.add(total, write.times(rows.row(q).line(LONG(0)), write.everywhere(shares.entry(q))))
+    out.write(LONG(0), write.together([total]))
+
+
+@written(_write_sum_of_line)
+def add_line(shares, rows, first, end, out):
+    """Add the first line of rows[first:end], each times its share, to that of out."""
+    for q in range(first, end):
+        for t in range(PAD):
+            out[t] += shares[q] * rows[q][t]
 
 
 @written(_write_products_of_first)

@@ -13,7 +13,7 @@ import math
 from .compile import inner, integer
 from .lines import reflect, rotate, subtract_both
 from .orthogonal import padded
-from .sums import SHORT, add_long, add_rows, multiply_long
+from .sums import SHORT, add_rows, multiply_long
 
 #: An off-diagonal entry counts as zero below this share of its two diagonal neighbours; and the most QL steps for each
 #: eigenvalue.
@@ -141,10 +141,7 @@ def add_spectrum(U, values, n, count, scale, shares, out):
     for i in range(n):
         for p in range(count):
             shares[p] = scale * values[p] * U[p][i]
-        if n > SHORT:
-            add_long(shares, U, 0, count, 0, n, out[i])
-        else:
-            add_rows(shares, U, 0, count, n, out[i])
+        add_rows(shares, U, 0, count, n, out[i])
 
 
 @inner

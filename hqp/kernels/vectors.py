@@ -131,6 +131,10 @@ class Writer:
         kind = ir.VectorType(LONG, PAD)
         return self.builder.icmp_signed("<", ir.Constant(kind, list(range(PAD))), self.everywhere(count, kind))
 
+    def among(self, which, values):
+        """These entries of a line, and zeros in place of others."""
+        return self.builder.select(which, values, ir.Constant(LINE, None))
+
     def number(self, values, place):
         """One entry of a vector."""
         return self.builder.extract_element(values, self._index(place))
