@@ -131,8 +131,8 @@ def test_matrices_change_as_numpys(loops):
         assert (changed[rest] == before[rest]).all()
 
         changed = rows.copy()
-        loops.rotate(changed[0], changed[1], 0.6, 0.8, wide)
-        assert close(changed[:2], np.array([[0.8, -0.6], [0.6, 0.8]]) @ rows[:2])
+        loops.rotate(changed[0], changed[1], 0.36, -0.64, wide)  # squares, with the signs of sine and cosine
+        assert close(changed[:2], np.array([[-0.8, -0.6], [0.6, -0.8]]) @ rows[:2])
 
         for begin in range(wide):
             out = np.full(wide, np.nan)

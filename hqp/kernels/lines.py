@@ -333,7 +333,7 @@ def scale_behind(row, share, begin, wide, out):
 
 
 def _rotate(write, one, other, sine, cosine, wide):
-    s, c = write.everywhere(sine), write.everywhere(cosine)
+    s, c = (write.everywhere(root) for root in write.roots(sine, cosine))
     for (t,) in write.lines(wide, (1,)):
         a, b = one.line(t), other.line(t)
         one.write(t, write.minus(write.times(a, c), write.times(b, s)))
@@ -342,7 +342,8 @@ def _rotate(write, one, other, sine, cosine, wide):
 
 @written(_rotate)
 def rotate(one, other, sine, cosine, wide):
-    """Rotate two rows in their plane."""
+    """Rotate two rows in their plane, by the squares of sine and cosine, which have the signs of these."""
+    sine, cosine = (math.copysign(math.sqrt(abs(square)), square) for square in (sine, cosine))
     for t in range(wide):
         one[t], other[t] = cosine * one[t] - sine * other[t], sine * one[t] + cosine * other[t]
 
