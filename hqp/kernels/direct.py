@@ -20,8 +20,9 @@ from .compile import inner, integer
 from .curved_rows import value_at
 from .definite import cholesky, turn, turn_back, upper_factor
 from .directions import add_along, along, take_along
+from .lines import reflect_below
 from .memory import ints, marks, matrix, vector
-from .orthogonal import length
+from .orthogonal import length, padded
 from .sums import SHORT, add_long, multiply_long
 
 #: How often the bounds that are met are guessed before the solver is asked.
@@ -150,36 +151,24 @@ def refine(here, k, d, total):
 
 
 @inner
-def triangulate(T, d, total, parts, work):
+def triangulate(T, d, total, parts):
     """Reflect the rows T[:total, : d + 1], of which the first d are upper triangular, so that all others are zero.
 
-    `parts` (total,) and `work` (d + 1,) are work space. Columns that are done are left as they are.
+    `parts` (total,) is work space. Columns that are done, and entries below the diagonal, become anything.
     """
     for j in range(d):
-        top, width, square = T[j][j:], d + 1 - j, 0.0
+        own, square = T[j], 0.0
         for i in range(d, total):
             parts[i] = T[i][j]
             square += parts[i] * parts[i]
         if square == 0.0:
             continue
-        size = math.sqrt(square + top[0] * top[0])
-        if top[0] > 0.0:
+        size = math.sqrt(square + own[j] * own[j])
+        if own[j] > 0.0:
             size = -size
-        first = top[0] - size
-        scale = 2.0 / (square + first * first)
-        for c in range(width):
-            work[c] = first * top[c]
-        for i in range(d, total):
-            row, part = T[i][j:], parts[i]
-            for c in range(width):
-                work[c] += part * row[c]
-        for c in range(width):
-            top[c] -= scale * first * work[c]
-        top[0] = size
-        for i in range(d, total):
-            row, part = T[i][j:], scale * parts[i]
-            for c in range(width):
-                row[c] -= part * work[c]
+        head = own[j] - size
+        reflect_below(T, j, d, total, head, parts, 2.0 / (square + head * head), j, padded(d + 1))
+        own[j] = size
 
 
 @inner
@@ -325,7 +314,7 @@ def solve_directly(here, k, above):
     if refined:
         if d > SHORT:
             write_rows(here, k, d)
-        triangulate(matrix(here, at.LEAST_SQUARES), d, total, vector(here, at.PARTS), vector(here, at.ROW_NOW))
+        triangulate(matrix(here, at.LEAST_SQUARES), d, total, vector(here, at.PARTS))
     for _ in range(GUESSES):
         if not meet(here, d, total, met):
             break

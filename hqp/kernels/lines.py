@@ -313,6 +313,49 @@ def add_to_lines(rows, count, shares, x, wide):
             rows[r][t] += shares[r] * x[t]
 
 
+def _eliminate(write, rows, j, end, over):
+    none, own = LONG(0), rows.row(j)
+    scaled = write.times(own.line(none), write.everywhere(over))
+    for (r,) in write.tiles(write.builder.add(j, LONG(1)), end, sizes=(1,)):
+        row = rows.row(r)
+        row.write(none, write.minus(row.line(none), write.times(scaled, write.everywhere(own.entry(r)))))
+
+
+@written(_eliminate)
+def eliminate(rows, j, end, over):
+    """Subtract row j, times its entry r and `over`, from each row r behind it: from the first line of rows[:end]."""
+    for r in range(j + 1, end):
+        for t in range(PAD):
+            rows[r][t] -= over * rows[j][r] * rows[j][t]
+
+
+def _reflect_below(write, rows, top, first, end, head, parts, scale, begin, wide):
+    upper, (along,) = rows.row(top), write.sums(1)
+    heads = write.everywhere(head)
+    for (t,) in write.tiles(write.builder.and_(begin, LONG(-PAD)), wide, PAD, (1,)):
+        write.builder.store(write.times(upper.line(t), heads), along)
+        for (r,) in write.tiles(first, end, sizes=(1,)):
+            write.add(along, write.times(rows.row(r).line(t), write.everywhere(parts.entry(r))))
+        share = write.times(write.together([along]), write.everywhere(scale))
+        upper.write(t, write.minus(upper.line(t), write.times(share, heads)))
+        for (r,) in write.tiles(first, end, sizes=(1,)):
+            row = rows.row(r)
+            row.write(t, write.minus(row.line(t), write.times(share, write.everywhere(parts.entry(r)))))
+
+
+@written(_reflect_below)
+def reflect_below(rows, top, first, end, head, parts, scale, begin, wide):
+    """Multiply row `top` and rows[first:end] by I - scale u u' from the left, u = (head, parts[first:end]).
+
+    From the line on in which entry `begin` is, up to `wide`.
+    """
+    for t in range(begin & -PAD, wide):
+        along = scale * (head * rows[top][t] + sum(parts[r] * rows[r][t] for r in range(first, end)))
+        rows[top][t] -= along * head
+        for r in range(first, end):
+            rows[r][t] -= along * parts[r]
+
+
 def _scale_behind(write, row, share, begin, wide, out):
     builder, all_over, none = write.builder, write.everywhere(share), ir.Constant(LINE, None)
     place = builder.and_(begin, LONG(-PAD))

@@ -68,25 +68,7 @@ def add_rows(shares, rows, first, end, n, out):
 @inner
 def add_to_each(rows, count, shares, x, n):
     """Add x[:n], times its share, to each of rows[:count]; the rest of their last lines may become anything."""
-    if n > SHORT:
-        add_to_lines(rows, count, shares, x, padded(n))
-        return
-    p = 0
-    while p + 3 < count:
-        r0, r1, r2, r3 = rows[p], rows[p + 1], rows[p + 2], rows[p + 3]
-        s0, s1, s2, s3 = shares[p], shares[p + 1], shares[p + 2], shares[p + 3]
-        for j in range(n):
-            value = x[j]
-            r0[j] += s0 * value
-            r1[j] += s1 * value
-            r2[j] += s2 * value
-            r3[j] += s3 * value
-        p += 4
-    while p < count:
-        r0, s0 = rows[p], shares[p]
-        for j in range(n):
-            r0[j] += s0 * x[j]
-        p += 1
+    add_to_lines(rows, count, shares, x, padded(n))
 
 
 @inner
