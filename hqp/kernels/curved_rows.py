@@ -9,7 +9,9 @@ from . import layout as plain
 from .compile import inner, integer
 from .definite import cholesky, smallest
 from .directions import along
+from .lines import clear_line
 from .memory import ints, marks, matrix, vector
+from .orthogonal import padded
 from .sums import add_rows, add_squares, multiply
 from .symmetric import largest
 
@@ -122,8 +124,7 @@ def write_gram(here, count, d):
     """Write G'G, of shape (d, d), for the `count` rows G."""
     gram = matrix(here, at.GRAM_OF_G)
     for i in range(d):
-        for j in range(d):
-            gram[i][j] = 0.0
+        clear_line(gram[i], padded(d))
     add_squares(vector(here, at.VALUES), matrix(here, at.G), count, d, 1.0, gram)
 
 

@@ -6,7 +6,7 @@ import math
 
 from .compile import inner
 from .layout import PAD
-from .lines import eliminate, scale_behind, scale_line
+from .lines import copy_line, eliminate, scale_behind
 from .orthogonal import padded
 from .sums import add_long
 
@@ -57,7 +57,7 @@ def upper_factor(M, R, n, shares):
     if n > PAD:
         return factor_by_lines(M, R, n, shares)
     for j in range(n):
-        scale_line(M[j], 1.0, PAD, R[j])
+        copy_line(M[j], PAD, R[j])
     for j in range(n):  # rows behind wait for a quotient, and for no root
         row, pivot = R[j], R[j][j]
         if not pivot > DEFINITE * M[j][j]:

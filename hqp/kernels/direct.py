@@ -20,7 +20,7 @@ from .compile import inner, integer
 from .curved_rows import value_at
 from .definite import cholesky, turn, turn_back, upper_factor
 from .directions import add_along, along, take_along
-from .lines import reflect_below
+from .lines import copy_line, reflect_below
 from .memory import ints, marks, matrix, vector
 from .orthogonal import length, padded
 from .sums import SHORT, add_long, multiply_long
@@ -77,13 +77,11 @@ def write_rows(here, k, d):
     size, row = matrix(here, at.NORMS)[k][head[at.NUMBER]], vector(here, at.ROW_NOW)
     for p in range(d):
         own = T[p]
-        for q in range(d):
-            own[q] = K[p][q]
+        copy_line(K[p], padded(d), own)
         own[d] = towards[p]
     for r in range(head[at.ACTIVE]):
-        row_along, own = matrix(here, at.G)[r], T[total]
-        for p in range(d):
-            own[p] = row_along[p]
+        own = T[total]
+        copy_line(matrix(here, at.G)[r], padded(d), own)
         own[d] = weights[ids[r]] * lower[ids[r]] - value_of(here, matrix(here, at.J)[r])
         total += 1
     for s in range(of[head[at.TOP]], of[k]):

@@ -17,8 +17,9 @@ from .compile import inner, integer
 from .curved_rows import VIOLATED, measured, write_weighted
 from .definite import cholesky
 from .directions import along
+from .lines import clear_line
 from .memory import ints, marks, matrix, vector
-from .orthogonal import length
+from .orthogonal import length, padded
 from .sums import add_rows, add_to_each, multiply
 from .symmetric import eigen
 
@@ -40,8 +41,7 @@ def set_aside(here, row, d):
     n, basis, turned = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.BASIS), vector(here, at.REACH)
     size, total = length(row, d), 0.0
     row[d - 1] += size if row[d - 1] > 0.0 else -size
-    for j in range(n):
-        turned[j] = 0.0
+    clear_line(turned, padded(n))
     add_rows(row, basis, 0, d, n, turned)
     for p in range(d):
         total += row[p] * row[p]
@@ -162,8 +162,7 @@ def separate(here, count, d, size):
                 larger += 1
         if larger >= d:
             continue
-        for p in range(d):
-            row[p] = 0.0
+        clear_line(row, padded(d))
         add_rows(own, G, 0, count, d, row)
         reach = length(row, d)
         if not reach > NONE * size:  # nor where it is no number
@@ -218,8 +217,7 @@ def compliance(here, count, d, size):
     eigen(M, P, values, rank, 0.0)  # P is no longer needed
     for r in range(rank):
         row = Q[r]
-        for i in range(count):
-            row[i] = 0.0
+        clear_line(row, padded(count))
         add_rows(P[r], U, 0, rank, count, row)
     for r in range(rank, count):
         for i in range(count):
@@ -232,8 +230,7 @@ def combined_length(here, combination, count, d):
     """The length of a combination of the `count` rows G, along d directions in the metric of the soft rows above."""
     G = matrix(here, at.G if ints(here, 0, plain.HEAD)[at.STIFF] == 0 else at.G_MEASURED)
     along_all = matrix(here, at.HALF)[0]
-    for p in range(d):
-        along_all[p] = 0.0
+    clear_line(along_all, padded(d))
     add_rows(combination, G, 0, count, d, along_all)
     return length(along_all, d)
 
@@ -252,8 +249,7 @@ def soften(here, k, count, d, x, size):
         i = ids[r]
         row, own, value = rows[i], matrix(here, at.COMBINED)[i], 0.0
         combine_nothing(here, k, i)
-        for j in range(n):
-            row[j] = 0.0
+        clear_line(row, padded(n))
         for p in range(count):
             own[ids[p] - first] = Q[r][p]
         add_rows(Q[r], J, 0, count, n, row)

@@ -281,6 +281,43 @@ def weigh(row, weight, count, out):
     return sum(row[t] * row[t] for t in range(count))
 
 
+def _copy(write, row, wide, out):
+    for (t,) in write.lines(wide, (1,)):
+        out.write(t, row.line(t))
+
+
+@written(_copy)
+def copy_line(row, wide, out):
+    """Write row[:wide] to `out`."""
+    for t in range(wide):
+        out[t] = row[t]
+
+
+def _clear(write, row, wide):
+    for (t,) in write.lines(wide, (1,)):
+        row.write(t, ir.Constant(LINE, None))
+
+
+@written(_clear)
+def clear_line(row, wide):
+    """Write zeros to row[:wide]."""
+    for t in range(wide):
+        row[t] = 0.0
+
+
+def _add_scaled(write, row, share, wide, out):
+    all_over = write.everywhere(share)
+    for (t,) in write.lines(wide, (1,)):
+        out.write(t, write.plus(out.line(t), write.times(row.line(t), all_over)))
+
+
+@written(_add_scaled)
+def add_scaled(row, share, wide, out):
+    """Add row[:wide], times a share, to `out`."""
+    for t in range(wide):
+        out[t] += share * row[t]
+
+
 def _pick_entries(write, row, places, wide, out):
     for (t,) in write.lines(wide, (1,)):
         made = ir.Constant(LINE, ir.Undefined)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 
 from .compile import inner, integer, precise
-from .lines import reflect, rotate, subtract_both
+from .lines import clear_line, reflect, rotate, subtract_both
 from .orthogonal import padded
 from .sums import SHORT, add_rows, multiply_long
 
@@ -102,12 +102,13 @@ def diagonalise(beside, U, values, n, columns, noise):
     for i in range(1, n):
         size = max(size, abs(values[i]) + abs(beside[i]))
     size = noise * max(size, abs(values[0])) if n > 0 else 0.0
+    least = max(size * size, TINY)
     for i in range(1, n):
         beside[i] = math.copysign(beside[i] * beside[i], beside[i])
     end, tries = n - 1, integer(0)
     while end > 0 and tries < MOST * n:
         begin = end
-        while begin > 0 and counts(beside[begin], values[begin], values[begin - 1], size):
+        while begin > 0 and counts(beside[begin], values[begin], values[begin - 1], least):
             begin -= 1
         if begin == end:
             end -= 1
@@ -122,9 +123,11 @@ def diagonalise(beside, U, values, n, columns, noise):
 
 @inner
 def counts(square, one, other, noise):
-    """Whether an off-diagonal entry, of which this is the square, is more than round-off."""
-    least = max(ZERO * (abs(one) + abs(other)), noise)
-    return abs(square) > max(least * least, TINY)
+    """Whether an off-diagonal entry, of which this is the square, is more than round-off; so is the square `noise`."""
+    if not abs(square) > noise:
+        return False
+    least = ZERO * (abs(one) + abs(other))
+    return abs(square) > least * least
 
 
 @inner
@@ -203,8 +206,7 @@ def accumulate(M, U, n):
     wide = padded(n)
     for i in range(n):
         own, u, scale = U[i], M[i], M[i][i] if i > 0 else 0.0
-        for j in range(wide):
-            own[j] = 0.0
+        clear_line(own, wide)
         own[i] = 1.0
         if scale == 0.0:
             continue
