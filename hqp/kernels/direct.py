@@ -20,7 +20,7 @@ from .compile import inner, integer
 from .curved_rows import value_at
 from .definite import cholesky, turn, turn_back, upper_factor
 from .directions import add_along, along, take_along
-from .lines import copy_line, reflect_below
+from .lines import add_scaled, copy_line, product, reflect_below
 from .memory import ints, marks, matrix, vector
 from .orthogonal import length, padded
 from .sums import SHORT, add_long, multiply_long
@@ -58,10 +58,7 @@ def write_row(here, d, row, bound, own):
 @inner
 def value_of(here, row):
     """The value of a row (n,) at ``reach``."""
-    base, value = vector(here, at.REACH), 0.0
-    for j in range(ints(here, 0, plain.HEAD)[plain.N]):
-        value += row[j] * base[j]
-    return value
+    return product(row, vector(here, at.REACH), ints(here, 0, plain.HEAD)[plain.N])
 
 
 @inner
@@ -189,10 +186,7 @@ def meet(here, d, first, met):
         turn(T, row, d)
         row[d], out[count] = far, 0.0
         for r in range(count + 1):
-            other, total = T[first + r], 0.0
-            for p in range(d):
-                total += row[p] * other[p]
-            M[count][r] = M[r][count] = total
+            M[count][r] = M[r][count] = product(row, T[first + r], d)
         count += 1
     if not cholesky(M, L, count):
         return False
@@ -215,10 +209,8 @@ def come_nearer(here, d, first, count):
         vector(here, at.ROW_NOW),
     )
     for r in range(count):
-        row, lacks = T[first + r], T[first + r][d]
-        for p in range(d):
-            lacks -= row[p] * w[p]
-        step[r] = lacks
+        row = T[first + r]
+        step[r] = row[d] - product(row, w, d)
     for r in range(count):
         for q in range(r):
             step[r] -= L[r][q] * step[q]
@@ -228,10 +220,8 @@ def come_nearer(here, d, first, count):
             step[r] -= L[q][r] * step[q]
         step[r] /= L[r][r]
     for r in range(count):
-        row, part = T[first + r], step[r]
-        out[r] += part
-        for p in range(d):
-            w[p] += part * row[p]
+        out[r] += step[r]
+        add_scaled(T[first + r], step[r], padded(d), w)
 
 
 @inner
@@ -250,13 +240,10 @@ def let_go(here, met):
 def arrive(here, d, met, x):
     """Write x = reach + Z' y; bounds that it passes, by more than round-off, join `met`. Whether there are any."""
     n, base, y = ints(here, 0, plain.HEAD)[plain.N], vector(here, at.REACH), vector(here, at.MU)
-    least, most, size, some = vector(here, at.LEAST), vector(here, at.MOST), 0.0, False
-    for j in range(n):
-        x[j] = base[j]
+    least, most, some = vector(here, at.LEAST), vector(here, at.MOST), False
+    copy_line(base, padded(n), x)
     add_along(here, y, 0, d, x)
-    for j in range(n):
-        size += x[j] * x[j]
-    near = ROUNDING * math.sqrt(size)
+    near = ROUNDING * length(x, n)
     for j in range(n):
         if met[j] != 0:
             x[j] = most[j] if met[j] > 0 else least[j]
@@ -282,9 +269,8 @@ def keeps_rows(here, k, above, x):
     for p in range(marks(here, at.OWN_OF)[k]):
         i = marks(here, at.OWN)[p]
         if state[i] == at.HELD:
-            row, value, wanted = matrix(here, at.ROW)[i], 0.0, reached[i]
-            for j in range(n):
-                value += row[j] * x[j]
+            row, wanted = matrix(here, at.ROW)[i], reached[i]
+            value = product(row, x, n)
             near = KEPT * length(row, n) * size
         elif state[i] != at.GIVEN or (col[i] >= 0 and lower[i] != upper[i]):
             continue  # of no matter here; or a bound, which is kept

@@ -17,7 +17,7 @@ from .compile import inner, integer
 from .curved_rows import VIOLATED, measured, write_weighted
 from .definite import cholesky
 from .directions import along
-from .lines import clear_line
+from .lines import clear_line, product
 from .memory import ints, marks, matrix, vector
 from .orthogonal import length, padded
 from .sums import add_rows, add_to_each, multiply
@@ -92,10 +92,9 @@ def freeze(here, k, count, d, x, size):
         return soften(here, k, count, d, x, size)
     mine, of = marks(here, at.OWN), marks(here, at.OWN_OF)
     for p in range(of[k], of[k + 1]):  # those too that have no error now, if this x violates them
-        i, value = mine[p], 0.0
+        i = mine[p]
         write_weighted(here, i, rows[i])
-        for j in range(n):
-            value += rows[i][j] * x[j]
+        value = product(rows[i], x, n)
         low, high = weights[i] * lower[i], weights[i] * upper[i]
         off = max(value - high, low - value)
         if lower[i] == upper[i] or off > VIOLATED * (abs(value) + off):
@@ -191,7 +190,7 @@ def compliance(here, count, d, size):
         matrix(here, at.HALF),
         vector(here, at.VALUES),
     )
-    rank, product = separate(here, count, d, size), vector(here, at.MU)
+    rank, moved = separate(here, count, d, size), vector(here, at.MU)
     damped, stiff = vector(here, at.SO_FAR)[at.STRENGTH] > 0.0, ints(here, 0, plain.HEAD)[at.STIFF] != 0
     for r in range(rank if stiff else 0):  # D = P + |J|^2 (1 - L^-1 L^-T): rows times L^-1, to E
         row, own = E[r], half[r]
@@ -204,14 +203,14 @@ def compliance(here, count, d, size):
                 row[q] -= row[p] * factor[q]
     for r in range(rank):
         for j in range(d):
-            product[j] = size * size * half[r][j] if stiff else 0.0
+            moved[j] = size * size * half[r][j] if stiff else 0.0
         if damped:
-            add_rows(half[r], P, 0, d, d, product)
-        multiply(half, r + 1, product, d, M[r])
+            add_rows(half[r], P, 0, d, d, moved)
+        multiply(half, r + 1, moved, d, M[r])
         if stiff:
-            multiply(E, r + 1, E[r], d, product)
+            multiply(E, r + 1, E[r], d, moved)
             for q in range(r + 1):
-                M[r][q] -= size * size * product[q]
+                M[r][q] -= size * size * moved[q]
         for q in range(r):
             M[q][r] = M[r][q]
     eigen(M, P, values, rank, 0.0)  # P is no longer needed
@@ -247,15 +246,13 @@ def soften(here, k, count, d, x, size):
     rank, first, directions = compliance(here, count, d, size), marks(here, plain.PTR)[k], d
     for r in range(count):
         i = ids[r]
-        row, own, value = rows[i], matrix(here, at.COMBINED)[i], 0.0
+        row, own = rows[i], matrix(here, at.COMBINED)[i]
         combine_nothing(here, k, i)
         clear_line(row, padded(n))
         for p in range(count):
             own[ids[p] - first] = Q[r][p]
         add_rows(Q[r], J, 0, count, n, row)
-        for j in range(n):
-            value += row[j] * x[j]
-        reached[i] = value
+        reached[i] = product(row, x, n)
         along(here, row, d, left)
         if r < rank and soft[r] > (STIFF / STIFFEST) ** 2 and d > 0 and length(left, d) > NONE * size:
             long = combined_length(here, Q[r], count, directions)

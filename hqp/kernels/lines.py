@@ -243,12 +243,13 @@ def _any_sum(write, count, line_at, entry_at):
 
 
 def _product(write, row, x, count):
-    return _any_sum(
-        write,
-        count,
-        lambda t: write.times(row.line(t), x.line(t)),
-        lambda t: write.times(row.entry(t), x.entry(t)),
-    )
+    sums, whole = write.sums(2), write.builder.and_(count, LONG(-PAD))
+    for places in write.lines(whole, (2, 1)):
+        for one, t in zip(sums, places, strict=False):
+            write.add(one, write.times(row.line(t), x.line(t)))
+    there = write.first(write.builder.and_(count, LONG(PAD - 1)))
+    write.add(sums[0], write.times(row.some(whole, there), x.some(whole, there)))
+    return write.total(sums)
 
 
 @written(_product, types.float64)
