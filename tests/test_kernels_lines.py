@@ -12,7 +12,14 @@ from hqp.kernels import lines, vectors
 from hqp.kernels.layout import PAD
 
 NAMES = (
+    "add_line",
     "add_lines",
+    "add_scaled",
+    "clear_line",
+    "copy_line",
+    "eliminate",
+    "multiply_line",
+    "reflect_below",
     "add_lines_behind",
     "add_to_lines",
     "multiply_first",
@@ -95,6 +102,28 @@ def test_rows_of_any_length_are_read_and_written_to_their_end_and_no_further(loo
         assert close(out, np.r_[-2.0 * mine[:count], np.full(PAD, np.nan)])
 
 
+def test_rows_of_one_line_at_most_are_multiplied_added_and_eliminated(loops):
+    """What stands behind their entries means nothing."""
+    rng = np.random.default_rng(4)
+    for count, n in product(range(10), range(1, PAD + 1)):
+        rows, x, shares = np.full((12, PAD), np.nan), np.full(PAD, np.nan), rng.normal(size=12)
+        rows[:, :n], x[:n] = rng.normal(size=(12, n)), rng.normal(size=n)
+        out = np.full(12, np.nan)
+        loops.multiply_line(rows, count, x, n, out)
+        assert close(out, np.r_[rows[:count, :n] @ x[:n], np.full(12 - count, np.nan)])
+        for first in range(count + 1):
+            changed = x.copy()
+            loops.add_line(shares, rows, first, count, changed)
+            assert close(changed[:n], x[:n] + shares[first:count] @ rows[first:count, :n])
+        if count <= n:
+            for j in range(count):
+                changed, behind = rows.copy(), slice(j + 1, count)
+                loops.eliminate(changed, j, count, 0.3)
+                expected = rows.copy()
+                expected[behind, :n] -= 0.3 * np.outer(rows[j, behind], rows[j, :n])
+                assert close(changed, expected)
+
+
 @pytest.mark.parametrize("wide", WIDTHS)
 def test_entries_are_picked_and_scaled(loops, wide):
     rng = np.random.default_rng(3)
@@ -118,6 +147,22 @@ def test_matrices_change_as_numpys(loops):
         loops.add_to_lines(changed, count, shares, u, wide)
         assert close(changed[:count], (rows + np.outer(shares, u))[:count])
         assert (changed[rest] == before[rest]).all()
+
+        changed = rows.copy()
+        loops.reflect_below(changed, 11, 0, count, 0.7, p, 0.3, wide - PAD, wide)
+        full = np.r_[p[:count], np.zeros(11 - count), 0.7] if count <= wide else None
+        if full is not None:
+            last = slice(wide - PAD, wide)
+            assert close(changed[:, last], (rows - 0.3 * np.outer(full, full @ rows))[:, last])
+            assert (changed[:, : wide - PAD] == before[:, : wide - PAD]).all()
+
+        changed = u.copy()
+        loops.add_scaled(p, -0.3, wide, changed)
+        assert close(changed, u - 0.3 * p)
+        loops.copy_line(p, wide, changed)
+        assert (changed == p).all()
+        loops.clear_line(changed, wide)
+        assert (changed == 0.0).all()
 
         n = min(count, wide)
         changed = rows.copy()

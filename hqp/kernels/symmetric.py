@@ -18,7 +18,8 @@ from .sums import SHORT, add_rows, multiply_long
 #: An off-diagonal entry counts as zero below this share of its two diagonal neighbours; and the most QL steps for each
 #: eigenvalue.
 ZERO, MOST = 1e-16, 60
-#: The square of an off-diagonal entry that is less counts as zero, before its inverse is too large for a number.
+#: A matrix with less in it is zero; and where the largest entry is 1, the square of one beside the diagonal that is
+#: less, before its inverse is too large for a number.
 TINY = 1e-290
 #: A cosine is zero where its square is less than the inverse of this.
 MUCH = 1e280
@@ -96,15 +97,19 @@ def gather_beside(M, n):
 def diagonalise(beside, U, values, n, columns, noise):
     """QL steps on a tridiagonal matrix, `values` and `beside`; they rotate the first columns of U along.
 
-    Beside the diagonal they work with squares, which keep the signs of the entries.
+    Meanwhile the matrix is scaled to entries of up to 1, and beside its diagonal are squares, with the signs of entries.
     """
     size = 0.0
     for i in range(1, n):
         size = max(size, abs(values[i]) + abs(beside[i]))
-    size = noise * max(size, abs(values[0])) if n > 0 else 0.0
-    least = max(size * size, TINY)
+    size = max(size, abs(values[0])) if n > 0 else 0.0
+    if not size > TINY:
+        return
+    over, least = 1.0 / size, max(noise * noise, TINY)
+    for i in range(n):
+        values[i] *= over
     for i in range(1, n):
-        beside[i] = math.copysign(beside[i] * beside[i], beside[i])
+        beside[i] = math.copysign((over * beside[i]) * (over * beside[i]), beside[i])
     end, tries = n - 1, integer(0)
     while end > 0 and tries < MOST * n:
         begin = end
@@ -119,6 +124,8 @@ def diagonalise(beside, U, values, n, columns, noise):
             end = begin
         else:
             step(beside, U, values, begin, end, columns)
+    for i in range(n):
+        values[i] *= size
 
 
 @inner
@@ -247,7 +254,7 @@ def step(beside, U, values, begin, end, n):
     one quotient of the one before, not for two.
     """
     half, square = 0.5 * (values[begin + 1] - values[begin]), abs(beside[begin + 1])
-    root = math.sqrt(half * half + square)  # hypot takes three times as long, and no entry is near 1e150
+    root = math.sqrt(half * half + square)  # hypot takes three times as long
     shift = values[begin] + (half - math.copysign(root, half))  # round-off in it makes no eigenvalue less accurate
     g = values[end] - shift
     sign, last, p, c, sine = math.copysign(1.0, g), 1.0, g * g, 1.0, 0.0
