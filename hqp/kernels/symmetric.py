@@ -97,7 +97,7 @@ def gather_beside(M, n):
 def diagonalise(beside, U, values, n, columns, noise):
     """QL steps on a tridiagonal matrix, `values` and `beside`; they rotate the first columns of U along.
 
-    Meanwhile the matrix is scaled to entries of up to 1, and beside its diagonal are squares, with the signs of entries.
+    Meanwhile the matrix is scaled to entries of up to 1, and beside the diagonal are squares with the signs of entries.
     """
     size = 0.0
     for i in range(1, n):
