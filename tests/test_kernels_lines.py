@@ -148,11 +148,10 @@ def test_matrices_change_as_numpys(loops):
         assert close(changed[:count], (rows + np.outer(shares, u))[:count])
         assert (changed[rest] == before[rest]).all()
 
-        changed = rows.copy()
-        loops.reflect_below(changed, 11, 0, count, 0.7, p, 0.3, wide - PAD, wide)
-        full = np.r_[p[:count], np.zeros(11 - count), 0.7] if count <= wide else None
-        if full is not None:
-            last = slice(wide - PAD, wide)
+        if count <= wide:
+            changed, last = rows.copy(), slice(wide - PAD, wide)
+            loops.reflect_below(changed, 11, 0, count, 0.7, p, 0.3, wide - PAD, wide)
+            full = np.r_[p[:count], np.zeros(11 - count), 0.7]
             assert close(changed[:, last], (rows - 0.3 * np.outer(full, full @ rows))[:, last])
             assert (changed[:, : wide - PAD] == before[:, : wide - PAD]).all()
 
