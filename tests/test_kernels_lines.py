@@ -3,23 +3,17 @@
 from __future__ import annotations
 
 from itertools import product
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from kernels import compiled, plain
 
-from hqp.kernels import lines, vectors
+from hqp.kernels import lines, single_lines, vectors
 from hqp.kernels.layout import PAD
 
 NAMES = (
-    "add_line",
     "add_lines",
-    "add_scaled",
-    "clear_line",
-    "copy_line",
-    "eliminate",
-    "multiply_line",
-    "reflect_below",
     "add_lines_behind",
     "add_to_lines",
     "multiply_first",
@@ -37,12 +31,17 @@ NAMES = (
     "take_out",
     "weigh",
 )
+SINGLE = "add_line", "add_scaled", "clear_line", "copy_line", "eliminate", "multiply_line", "reflect_below"
 WIDTHS = PAD * np.array([1, 2, 3, 4, 7])
 
 
 @pytest.fixture(scope="module", params=["compiled", "plain"])
 def loops(request):
-    return compiled(lines, *NAMES) if request.param == "compiled" else plain(vectors, lines)
+    if request.param == "compiled":
+        both = compiled(lines, *NAMES), compiled(single_lines, *SINGLE)
+    else:
+        both = plain(vectors, lines), plain(vectors, single_lines)
+    return SimpleNamespace(**{name: value for loops in both for name, value in vars(loops).items() if name[0] != "_"})
 
 
 def close(one, other):

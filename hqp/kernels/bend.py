@@ -22,9 +22,10 @@ from .compile import inner
 from .curved_rows import measured, measured_basis
 from .definite import turn, turn_back, upper_factor
 from .directions import along, untouched
-from .lines import add_scaled, clear_line, copy_line, product
+from .lines import product
 from .memory import floats, ints, marks, matrix, vector
 from .orthogonal import padded
+from .single_lines import add_scaled, clear_line, copy_line
 from .sums import add_rows, add_squares, multiply
 from .symmetric import NOISE, add_spectrum, bring_forward, eigen
 

@@ -17,9 +17,10 @@ from . import curved_layout as at
 from . import layout as plain
 from .compile import inner, integer
 from .directions import along, take_along
-from .lines import add_scaled, clear_line, product
+from .lines import product
 from .memory import ints, marks, matrix, vector
 from .orthogonal import length, padded
+from .single_lines import add_scaled, clear_line
 from .sums import add_rows, multiply
 from .symmetric import NOISE, eigen
 

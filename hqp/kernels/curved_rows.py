@@ -9,9 +9,10 @@ from . import layout as plain
 from .compile import inner, integer
 from .definite import cholesky, smallest
 from .directions import along
-from .lines import add_scaled, clear_line, copy_line, product
+from .lines import product
 from .memory import ints, marks, matrix, vector
 from .orthogonal import padded
+from .single_lines import add_scaled, clear_line, copy_line
 from .sums import add_rows, add_squares, multiply
 from .symmetric import largest
 

@@ -6,8 +6,9 @@ import math
 
 from .compile import inner
 from .layout import PAD
-from .lines import copy_line, eliminate, scale_behind
+from .lines import scale_behind
 from .orthogonal import padded
+from .single_lines import copy_line, eliminate
 from .sums import add_long
 
 #: A matrix is positive definite if each squared pivot of its Cholesky factor is more than this share of its diagonal.

@@ -20,9 +20,10 @@ from .compile import inner, integer
 from .curved_rows import value_at
 from .definite import cholesky, turn, turn_back, upper_factor
 from .directions import add_along, along, take_along
-from .lines import add_scaled, copy_line, product, reflect_below
+from .lines import product
 from .memory import ints, marks, matrix, vector
 from .orthogonal import length, padded
+from .single_lines import add_scaled, copy_line, reflect_below
 from .sums import SHORT, add_long, multiply_long
 
 #: How often the bounds that are met are guessed before the solver is asked.

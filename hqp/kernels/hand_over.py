@@ -17,9 +17,10 @@ from .compile import inner, integer
 from .curved_rows import VIOLATED, measured, write_weighted
 from .definite import cholesky
 from .directions import along
-from .lines import clear_line, product
+from .lines import product
 from .memory import ints, marks, matrix, vector
 from .orthogonal import length, padded
+from .single_lines import clear_line
 from .sums import add_rows, add_to_each, multiply
 from .symmetric import eigen
 

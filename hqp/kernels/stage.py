@@ -11,9 +11,10 @@ from .compile import inner
 from .curved_rows import write_gram
 from .definite import upper_factor
 from .directions import add_along, along
-from .lines import add_scaled, clear_line, copy_line, product
+from .lines import product
 from .memory import floats, ints, marks, matrix, vector
 from .orthogonal import padded
+from .single_lines import add_scaled, clear_line, copy_line
 from .sums import add_rows, multiply
 
 #: Regularisation of a matrix before its Cholesky factorisation, relative to its trace.

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from .compile import inner, precise
 from .layout import PAD
-from .lines import add_line, add_lines_behind, add_to_lines, multiply_first, multiply_line
+from .lines import add_lines_behind, add_to_lines, multiply_first
 from .orthogonal import padded
+from .single_lines import add_line, multiply_line
 
 #: Rows of up to so many entries are faster entry by entry, as part of the loops around them, than by lines.
 SHORT = PAD

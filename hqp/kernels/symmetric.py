@@ -11,8 +11,9 @@ from __future__ import annotations
 import math
 
 from .compile import inner, integer, precise
-from .lines import clear_line, reflect, rotate, subtract_both
+from .lines import reflect, rotate, subtract_both
 from .orthogonal import padded
+from .single_lines import clear_line
 from .sums import SHORT, add_rows, multiply_long
 
 #: An off-diagonal entry counts as zero below this share of its two diagonal neighbours; and the most QL steps for each
