@@ -31,7 +31,7 @@ def _door(kernel: Any) -> Callable[..., Any]:
 
 def plain(*modules: ModuleType) -> ModuleType:
     """The last of these modules as plain Python, and the others, which it imports, too."""
-    changes = {"inner": lambda function: function, "INTERPRETED": True}
+    changes = {"inner": lambda function: function, "precise": lambda function: function, "INTERPRETED": True}
     with mock.patch.dict(sys.modules), mock.patch.multiple(compiling, **changes):
         for module in modules:
             spec = importlib.util.spec_from_file_location(module.__name__, module.__file__)

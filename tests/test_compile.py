@@ -55,6 +55,22 @@ def test_a_kernel_that_others_call_is_optimised_in_these_alone(decorator, code: 
     assert bool(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name)) == code
 
 
+def test_indices_in_kernels_are_taken_as_they_are() -> None:
+    """Nothing is chosen by whether they are negative; and Numba counts from the end in all other functions."""
+
+    def entry_of(numbers, place):
+        return numbers[place]
+
+    kernel, usual = numba.njit(**compiling.ENTRY)(entry_of), numba.njit(entry_of)
+    given, signature = np.arange(3.0), "(float64[::1], int64)"
+    for compiled in kernel, usual:
+        compiled.compile(signature)
+        assert compiled(given, 2) == 2.0
+    assert usual(given, -1) == 2.0
+    (llvm,), (other,) = (list(compiled.inspect_llvm().values()) for compiled in (kernel, usual))
+    assert len(llvm) < len(other)
+
+
 @pytest.mark.parametrize("missing", [*optimised.PRIVATE, None])
 def test_a_kernel_that_python_calls_is_optimised_once_or_as_numba_does(monkeypatch, missing: str | None) -> None:
     def doubled(number):

@@ -6,14 +6,16 @@ import numpy as np
 import pytest
 from kernels import compiled, plain
 
-from hqp.kernels import lines, orthogonal, vectors
+from hqp.kernels import lines, orthogonal, single_lines, vectors
 from hqp.kernels.layout import padded
 
 
 @pytest.fixture(scope="module", params=["compiled", "plain"])
 def kernels(request):
     names = "project", "split"
-    return compiled(orthogonal, *names) if request.param == "compiled" else plain(vectors, lines, orthogonal)
+    return (
+        compiled(orthogonal, *names) if request.param == "compiled" else plain(vectors, lines, single_lines, orthogonal)
+    )
 
 
 def rows(count):

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from itertools import product
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from kernels import compiled, plain
 
-from hqp.kernels import lines, vectors
+from hqp.kernels import lines, single_lines, vectors
 from hqp.kernels.layout import PAD
 
 NAMES = (
@@ -30,12 +31,17 @@ NAMES = (
     "take_out",
     "weigh",
 )
+SINGLE = "add_line", "add_scaled", "clear_line", "copy_line", "eliminate", "multiply_line", "reflect_below"
 WIDTHS = PAD * np.array([1, 2, 3, 4, 7])
 
 
 @pytest.fixture(scope="module", params=["compiled", "plain"])
 def loops(request):
-    return compiled(lines, *NAMES) if request.param == "compiled" else plain(vectors, lines)
+    if request.param == "compiled":
+        both = compiled(lines, *NAMES), compiled(single_lines, *SINGLE)
+    else:
+        both = plain(vectors, lines), plain(vectors, single_lines)
+    return SimpleNamespace(**{name: value for loops in both for name, value in vars(loops).items() if name[0] != "_"})
 
 
 def close(one, other):
@@ -95,6 +101,28 @@ def test_rows_of_any_length_are_read_and_written_to_their_end_and_no_further(loo
         assert close(out, np.r_[-2.0 * mine[:count], np.full(PAD, np.nan)])
 
 
+def test_rows_of_one_line_at_most_are_multiplied_added_and_eliminated(loops):
+    """What stands behind their entries means nothing."""
+    rng = np.random.default_rng(4)
+    for count, n in product(range(10), range(1, PAD + 1)):
+        rows, x, shares = np.full((12, PAD), np.nan), np.full(PAD, np.nan), rng.normal(size=12)
+        rows[:, :n], x[:n] = rng.normal(size=(12, n)), rng.normal(size=n)
+        out = np.full(12, np.nan)
+        loops.multiply_line(rows, count, x, n, out)
+        assert close(out, np.r_[rows[:count, :n] @ x[:n], np.full(12 - count, np.nan)])
+        for first in range(count + 1):
+            changed = x.copy()
+            loops.add_line(shares, rows, first, count, changed)
+            assert close(changed[:n], x[:n] + shares[first:count] @ rows[first:count, :n])
+        if count <= n:
+            for j in range(count):
+                changed, behind = rows.copy(), slice(j + 1, count)
+                loops.eliminate(changed, j, count, 0.3)
+                expected = rows.copy()
+                expected[behind, :n] -= 0.3 * np.outer(rows[j, behind], rows[j, :n])
+                assert close(changed, expected)
+
+
 @pytest.mark.parametrize("wide", WIDTHS)
 def test_entries_are_picked_and_scaled(loops, wide):
     rng = np.random.default_rng(3)
@@ -119,6 +147,21 @@ def test_matrices_change_as_numpys(loops):
         assert close(changed[:count], (rows + np.outer(shares, u))[:count])
         assert (changed[rest] == before[rest]).all()
 
+        if count <= wide:
+            changed, last = rows.copy(), slice(wide - PAD, wide)
+            loops.reflect_below(changed, 11, 0, count, 0.7, p, 0.3, wide - PAD, wide)
+            full = np.r_[p[:count], np.zeros(11 - count), 0.7]
+            assert close(changed[:, last], (rows - 0.3 * np.outer(full, full @ rows))[:, last])
+            assert (changed[:, : wide - PAD] == before[:, : wide - PAD]).all()
+
+        changed = u.copy()
+        loops.add_scaled(p, -0.3, wide, changed)
+        assert close(changed, u - 0.3 * p)
+        loops.copy_line(p, wide, changed)
+        assert (changed == p).all()
+        loops.clear_line(changed, wide)
+        assert (changed == 0.0).all()
+
         n = min(count, wide)
         changed = rows.copy()
         loops.subtract_both(changed, n, u, p, wide)
@@ -131,8 +174,8 @@ def test_matrices_change_as_numpys(loops):
         assert (changed[rest] == before[rest]).all()
 
         changed = rows.copy()
-        loops.rotate(changed[0], changed[1], 0.6, 0.8, wide)
-        assert close(changed[:2], np.array([[0.8, -0.6], [0.6, 0.8]]) @ rows[:2])
+        loops.rotate(changed[0], changed[1], 0.36, -0.64, wide)  # squares, with the signs of sine and cosine
+        assert close(changed[:2], np.array([[-0.8, -0.6], [0.6, -0.8]]) @ rows[:2])
 
         for begin in range(wide):
             out = np.full(wide, np.nan)

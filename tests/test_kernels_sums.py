@@ -7,7 +7,7 @@ from itertools import product
 import kernels
 import numpy as np
 
-from hqp.kernels import lines, orthogonal, sums, vectors
+from hqp.kernels import lines, orthogonal, single_lines, sums, vectors
 from hqp.kernels.layout import padded
 
 NAMES = "multiply", "multiply_long", "add_rows", "add_long", "add_to_each", "add_squares"
@@ -22,7 +22,7 @@ def with_room(array):
 
 def test_sums_of_rows_are_those_of_numpy() -> None:
     rng = np.random.default_rng(0)
-    for loops in kernels.compiled(sums, *NAMES), kernels.plain(vectors, lines, orthogonal, sums):
+    for loops in kernels.compiled(sums, *NAMES), kernels.plain(vectors, lines, single_lines, orthogonal, sums):
         for count, n in product(range(10), (1, 3, 4, 8, 9, 20)):
             rows, x, shares = rng.normal(size=(count, n)), rng.normal(size=n), rng.normal(size=count)
             out, before = np.full(count + 1, np.nan), rng.normal(size=n)

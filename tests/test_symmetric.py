@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from hqp.arrays import Array
-from hqp.kernels import definite, lines, orthogonal, sums, symmetric, vectors
+from hqp.kernels import definite, lines, orthogonal, single_lines, sums, symmetric, vectors
 from hqp.kernels.layout import PAD
 
 #: By their names, what makes a matrix of this size.
@@ -48,7 +48,10 @@ def with_room(A: Array) -> Array:
 
 
 def solvers() -> list[SimpleNamespace]:
-    return [kernels.compiled(symmetric, "eigen"), kernels.plain(vectors, lines, orthogonal, sums, symmetric)]
+    return [
+        kernels.compiled(symmetric, "eigen"),
+        kernels.plain(vectors, lines, single_lines, orthogonal, sums, symmetric),
+    ]
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 5, 8, 21])
@@ -79,13 +82,13 @@ def test_factor_and_largest_eigenvalue_of_a_positive_matrix(n: int) -> None:
         A = rows.T @ rows
         for solver in (
             kernels.compiled(symmetric, "largest"),
-            kernels.plain(vectors, lines, orthogonal, sums, symmetric),
+            kernels.plain(vectors, lines, single_lines, orthogonal, sums, symmetric),
         ):
             M, values = with_room(A), np.full(room(n)[1], np.nan)
             assert solver.largest(M, values, n) == pytest.approx(np.linalg.norm(A, 2), rel=1e-12)
         for solver in (
             kernels.compiled(definite, "upper_factor"),
-            kernels.plain(vectors, lines, orthogonal, sums, definite),
+            kernels.plain(vectors, lines, single_lines, orthogonal, sums, definite),
         ):
             R, B, values = np.full(room(n), np.nan), A + 1e-3 * np.eye(n), np.full(room(n)[1], np.nan)
             assert solver.upper_factor(with_room(B), R, n, values)
@@ -98,7 +101,7 @@ def test_the_bound_of_the_smallest_eigenvalue_is_that_of_the_moments_of_the_inve
     rng = np.random.default_rng(n)
     for solver in (
         kernels.compiled(definite, "smallest"),
-        kernels.plain(vectors, lines, orthogonal, sums, definite),
+        kernels.plain(vectors, lines, single_lines, orthogonal, sums, definite),
     ):
         rows = rng.normal(size=(n + 3, n))
         A, work = rows.T @ rows, [np.full(room(n), np.nan) for _ in range(2)]
@@ -118,7 +121,7 @@ def test_the_part_of_a_matrix_with_eigenvalues_of_one_sign(n: int, sign: float) 
     found, axes = np.linalg.eigh(A)
     for solver in (
         kernels.compiled(symmetric, "eigen", "bring_forward", "add_spectrum"),
-        kernels.plain(vectors, lines, orthogonal, sums, symmetric),
+        kernels.plain(vectors, lines, single_lines, orthogonal, sums, symmetric),
     ):
         M, U, values, part = with_room(A), np.empty(room(n)), np.empty(room(n)[1]), with_room(A)
         solver.eigen(M, U, values, n, 0.0)

@@ -22,8 +22,11 @@ from .compile import inner
 from .curved_rows import measured, measured_basis
 from .definite import turn, turn_back, upper_factor
 from .directions import along, untouched
+from .lines import product
 from .memory import floats, ints, marks, matrix, vector
-from .sums import SHORT, add_long, add_rows, add_squares, multiply, multiply_long
+from .orthogonal import padded
+from .single_lines import add_scaled, clear_line, copy_line
+from .sums import add_rows, add_squares, multiply
 from .symmetric import NOISE, add_spectrum, bring_forward, eigen
 
 #: Up to this ratio of the curvature to the smallest squared singular value of J, the linearisation is trusted.
@@ -178,14 +181,9 @@ def bent_along(here, d, Z, given, out):
         if whole:
             along(here, S[marks(here, at.COLUMNS)[p]], d, row)
         else:
-            for j in range(n):
-                half[j] = 0.0
-            if n > SHORT:
-                add_long(Z[p], S, 0, n, 0, n, half)
-                multiply_long(Z, p + 1, half, n, row)
-            else:
-                add_rows(Z[p], S, 0, n, n, half)
-                multiply(Z, p + 1, half, n, row)
+            clear_line(half, padded(n))
+            add_rows(Z[p], S, 0, n, n, half)
+            multiply(Z, p + 1, half, n, row)
         for q in range(p):
             M[q][p] = row[q]
             norm += 2.0 * row[q] * row[q]
@@ -201,8 +199,7 @@ def add_bent(here, d, given, negative):
     """
     M, U, E, values = matrix(here, given), matrix(here, at.U), matrix(here, at.E), vector(here, at.VALUES)
     for i in range(d):
-        for j in range(d):
-            E[i][j] += M[i][j]
+        add_scaled(M[i], 1.0, padded(d), E[i])
     eigen(M, U, values, d, NOISE)
     add_spectrum(U, values, d, bring_forward(U, values, d, -1.0), -1.0 - negative, matrix(here, at.HALF)[0], E)
 
@@ -218,8 +215,7 @@ def bend(here, k, count, d, above, least, damped):
     head, E, P = ints(here, 0, plain.HEAD), matrix(here, at.E), matrix(here, at.P)
     loose, more, root = marks(here, at.LOOSE), 0.0, math.sqrt(vector(here, at.SHARES)[k])
     for i in range(d):
-        for j in range(d):
-            P[i][j] = 0.0
+        clear_line(P[i], padded(d))
     pushed = above > 0 and multipliers(here, k, above, damped)
     if loose[k] == 0 and bound(here, k, k + 1) + (bound(here, head[at.TOP], k) if pushed else 0.0) <= TRUSTED * least:
         return 0.0, 0.0
@@ -233,8 +229,7 @@ def bend(here, k, count, d, above, least, damped):
     if ratio <= TRUSTED:
         return 0.0, ratio
     for i in range(d):
-        for j in range(d):
-            E[i][j] = 0.0
+        clear_line(E[i], padded(d))
     Z, more_along, own_along = matrix(here, measured_basis(here, d)), 0.0, 0.0
     if more > 0.0:
         keep(here, at.U)
@@ -250,20 +245,17 @@ def bend(here, k, count, d, above, least, damped):
     if more > 0.0:
         add_bent(here, d, at.M, 1.0)
         for i in range(d):
-            for j in range(d):
-                M[i][j] = E[i][j]  # |S_u|
+            copy_line(E[i], padded(d), M[i])  # |S_u|
     if own > 0.0:
         add_bent(here, d, at.KEPT, root)
     total = 0.0  # and that of their sum
     for i in range(d):
-        for j in range(d):
-            total += E[i][j] * E[i][j]
+        total += product(E[i], E[i], d)
     ratio = ratio_of(math.sqrt(total), least)
     if ratio <= TRUSTED:
         return 0.0, ratio
     for i in range(d if more > 0.0 else 0):  # the gate counts them once
-        for j in range(d):
-            E[i][j] += (AGAIN - 1.0) * M[i][j]
+        add_scaled(M[i], AGAIN - 1.0, padded(d), E[i])
     return where_larger(here, count, d), ratio
 
 

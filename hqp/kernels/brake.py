@@ -17,8 +17,10 @@ from . import curved_layout as at
 from . import layout as plain
 from .compile import inner, integer
 from .directions import along, take_along
+from .lines import product
 from .memory import ints, marks, matrix, vector
-from .orthogonal import length
+from .orthogonal import length, padded
+from .single_lines import add_scaled, clear_line
 from .sums import add_rows, multiply
 from .symmetric import NOISE, eigen
 
@@ -47,14 +49,10 @@ def note_asked(here, count, d, x):
     ids, lower, weights = marks(here, at.IDS), vector(here, plain.LOWER), vector(here, plain.WEIGHTS)
     held, moved, pull = vector(here, at.REACH), vector(here, at.MU), vector(here, at.PULL)
     take_along(here, x, d, pull, held)
-    for j in range(n):
-        moved[j] = 0.0
+    clear_line(moved, padded(n))
     for r in range(count):
-        row, lacks = J[r], weights[ids[r]] * lower[ids[r]]
-        for j in range(n):
-            lacks -= row[j] * held[j]
-        for j in range(n):
-            moved[j] += lacks * row[j]
+        lacks = weights[ids[r]] * lower[ids[r]] - product(J[r], held, n)
+        add_scaled(J[r], lacks, padded(n), moved)
     along(here, moved, d, pull)
 
 
@@ -63,11 +61,9 @@ def pulled_along(here, d, u, weight):
     """The s of a direction u (d,) with the eigenvalue `weight`: the square of the length of J Z' u = G u."""
     if vector(here, at.SO_FAR)[at.STRENGTH] == 0.0:  # P is zero
         return weight
-    count, moved, square = ints(here, 0, plain.HEAD)[at.ACTIVE], matrix(here, at.HALF)[0], 0.0
+    count, moved = ints(here, 0, plain.HEAD)[at.ACTIVE], matrix(here, at.HALF)[0]
     multiply(matrix(here, at.G), count, u, d, moved)
-    for r in range(count):
-        square += moved[r] * moved[r]
-    return square
+    return product(moved, moved, count)
 
 
 @inner
@@ -86,11 +82,8 @@ def spread(A, v, size, d, basis, T):
         multiply(A, d, own, d, left)
         for turn in range(2):
             for q in range(count, -1, -1):
-                row, along = basis[q], 0.0
-                for p in range(d):
-                    along += row[p] * left[p]
-                for p in range(d):
-                    left[p] -= along * row[p]
+                along = product(basis[q], left, d)
+                add_scaled(basis[q], -along, padded(d), left)
                 if turn == 0:
                     T[count][q] = T[q][count] = along
         count += 1
@@ -120,13 +113,10 @@ def brake(here, k, d):
     count = spread(E, last, size, d, basis, matrix(here, at.KEPT))
     eigen(matrix(here, at.KEPT), U, values, count, NOISE)
     for i in range(count):
-        weight, drag, u, to = values[i], 0.0, E[i], 0.0
-        for p in range(d):
-            u[p] = 0.0
+        weight, drag, u = values[i], 0.0, E[i]
+        clear_line(u, padded(d))
         add_rows(U[i], basis, 0, count, d, u)
-        now[i] = size * U[i][0]
-        for p in range(d):
-            to += u[p] * vector(here, at.PULL)[p]
+        now[i], to = size * U[i][0], product(u, vector(here, at.PULL), d)
         if weight > 0.0:
             drag = 2.0 * RATIO * lean * math.sqrt((weight + floor) * pulled_along(here, d, u, weight)) - weight
         if drag > 0.0:

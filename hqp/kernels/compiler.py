@@ -6,8 +6,9 @@ from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, Flags
 from numba.core.types import unliteral
 from numba.core.typing import Context
+from numba.np import arrayobj
 
-from . import part, signatures
+from . import indices, part, signatures
 from .optimised import Optimised
 
 #: Passes of Numba for code that kernels do not have, and which is refused without them: closures and comprehensions,
@@ -47,6 +48,11 @@ class KernelCompiler(Compiler):
         state.flags = KernelFlags(state.flags)
         state.typingctx, state.targetctx.typing_context = signatures.remembering(state.typingctx)
 
+    def _compile_core(self):
+        """Numba's, by which no index counts from the end."""
+        with indices.from_the_front():
+            return super()._compile_core()
+
     def define_pipelines(self):
         """Numba's, without what is needless."""
         state = self.state
@@ -69,6 +75,7 @@ def pipeline(compiler, library=JITCodeLibrary, flags=Flags, context=Context):
     """The options for such a compiler; none, so slower to compile, if this Numba lacks a private name that it needs."""
     known = all(hasattr(library, name) for name in part.PRIVATE) and hasattr(flags(), "_values")
     known = known and all(hasattr(context, name) for name in signatures.PRIVATE)
+    known = known and all(hasattr(arrayobj, name) for name in indices.PRIVATE)
     return {"pipeline_class": compiler} if known else {}
 
 

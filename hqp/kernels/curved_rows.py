@@ -9,7 +9,10 @@ from . import layout as plain
 from .compile import inner, integer
 from .definite import cholesky, smallest
 from .directions import along
+from .lines import product
 from .memory import ints, marks, matrix, vector
+from .orthogonal import padded
+from .single_lines import add_scaled, clear_line, copy_line
 from .sums import add_rows, add_squares, multiply
 from .symmetric import largest
 
@@ -20,13 +23,10 @@ VIOLATED = 1e-9
 @inner
 def value_at(here, i, x):
     """A_i x: the value of row i at x (n,)."""
-    column, value = marks(here, plain.COL)[i], 0.0
+    column = marks(here, plain.COL)[i]
     if column >= 0:
         return x[column]
-    row = matrix(here, plain.A)[marks(here, plain.ROW_OF)[i]]
-    for j in range(ints(here, 0, plain.HEAD)[plain.N]):
-        value += row[j] * x[j]
-    return value
+    return product(matrix(here, plain.A)[marks(here, plain.ROW_OF)[i]], x, ints(here, 0, plain.HEAD)[plain.N])
 
 
 @inner
@@ -76,8 +76,7 @@ def gather(here, k):
     lower, upper, weights = vector(here, plain.LOWER), vector(here, plain.UPPER), vector(here, plain.WEIGHTS)
     errors, wanted, pull = vector(here, at.ERRORS), vector(here, at.WANTED), vector(here, at.PULL)
     J, count = matrix(here, at.J), integer(0)
-    for j in range(n):
-        pull[j] = 0.0
+    clear_line(pull, padded(n))
     for p in range(of[k], of[k + 1]):
         i = mine[p]
         wanted[i] = 0.0
@@ -87,8 +86,7 @@ def gather(here, k):
         write_weighted(here, i, row)
         if errors[i] != 0.0:
             wanted[i] = -weight * weight * errors[i]
-            for j in range(n):
-                pull[j] += weight * errors[i] * row[j]
+            add_scaled(row, weight * errors[i], padded(n), pull)
         ids[count] = i
         count += 1
     return count
@@ -122,8 +120,7 @@ def write_gram(here, count, d):
     """Write G'G, of shape (d, d), for the `count` rows G."""
     gram = matrix(here, at.GRAM_OF_G)
     for i in range(d):
-        for j in range(d):
-            gram[i][j] = 0.0
+        clear_line(gram[i], padded(d))
     add_squares(vector(here, at.VALUES), matrix(here, at.G), count, d, 1.0, gram)
 
 
@@ -137,20 +134,13 @@ def stack_above(here, count, above, free):
     all_above, whose, gram = matrix(here, at.ABOVE), marks(here, at.WHOSE), matrix(here, at.GRAM)
     for r in range(count):
         row, own = all_above[above], J[r]
-        for j in range(n):
-            row[j] = own[j]
+        copy_line(own, padded(n), row)
         for b in range(free, len(matrix(here, at.BASIS))):
-            direction, total = matrix(here, at.BASIS)[b], 0.0
-            for j in range(n):
-                total += direction[j] * row[j]
-            for j in range(n):
-                row[j] -= total * direction[j]
+            direction = matrix(here, at.BASIS)[b]
+            add_scaled(direction, -product(direction, row, n), padded(n), row)
         whose[above] = ids[r]
         for q in range(above + 1):
-            other, total = all_above[q], 0.0
-            for j in range(n):
-                total += row[j] * other[j]
-            gram[above][q] = gram[q][above] = total
+            gram[above][q] = gram[q][above] = product(row, all_above[q], n)
         above += 1
     return above
 
@@ -213,15 +203,12 @@ def demand(here, k, count, size):
     )
     lower, upper, weights = vector(here, plain.LOWER), vector(here, plain.UPPER), vector(here, plain.WEIGHTS)
     asked, least, most = vector(here, at.VALUES), vector(here, at.LEAST), vector(here, at.MOST)
-    for j in range(n):
-        asked[j] = 0.0
+    clear_line(asked, padded(n))
     for r in range(count):
-        row, value, weight = J[r], 0.0, weights[ids[r]]
-        for j in range(n):
-            value += row[j] * x[j]
+        row, weight = J[r], weights[ids[r]]
+        value = product(row, x, n)
         lacking = max(weight * lower[ids[r]] - value, 0.0) + min(weight * upper[ids[r]] - value, 0.0)
-        for j in range(n):
-            asked[j] += lacking * row[j] / (size * size)
+        add_scaled(row, lacking / (size * size), padded(n), asked)
     far, room = 0.0, 0.0
     for j in range(n):
         width = most[j] - least[j]

@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 
 from .compile import inner
+from .layout import PAD
 from .lines import scale_behind
 from .orthogonal import padded
-from .sums import SHORT, add_long
+from .single_lines import copy_line, eliminate
+from .sums import add_long
 
 #: A matrix is positive definite if each squared pivot of its Cholesky factor is more than this share of its diagonal.
 DEFINITE = 1e-13
@@ -33,7 +35,7 @@ def cholesky(M, L, n):
 
 @inner
 def factor_by_lines(M, R, n, shares):
-    """As :func:`upper_factor`, by whole rows: half as many steps have to wait for others."""
+    """:func:`upper_factor` of long rows: each takes those before it at once."""
     for j in range(n):
         row, own = R[j], M[j]
         for c in range(n):
@@ -53,21 +55,16 @@ def upper_factor(M, R, n, shares):
 
     Of M the upper triangle is read. `shares` is work space.
     """
-    if n > SHORT:
+    if n > PAD:
         return factor_by_lines(M, R, n, shares)
     for j in range(n):
-        row, own, over = R[j], M[j], 0.0
-        for c in range(j):
-            row[c] = 0.0
-        for c in range(j, n):
-            value = own[c]
-            for p in range(j):
-                value -= R[p][j] * R[p][c]
-            if c == j:
-                if not value > DEFINITE * own[j]:
-                    return False
-                over = 1.0 / math.sqrt(value)
-            row[c] = value * over
+        copy_line(M[j], PAD, R[j])
+    for j in range(n):  # rows behind wait for a quotient, and for no root
+        row, pivot = R[j], R[j][j]
+        if not pivot > DEFINITE * M[j][j]:
+            return False
+        eliminate(R, j, n, 1.0 / pivot)
+        scale_behind(row, 1.0 / math.sqrt(pivot), j, PAD, row)
     return True
 
 

@@ -20,8 +20,10 @@ from .compile import inner, integer
 from .curved_rows import value_at
 from .definite import cholesky, turn, turn_back, upper_factor
 from .directions import add_along, along, take_along
+from .lines import product
 from .memory import ints, marks, matrix, vector
-from .orthogonal import length
+from .orthogonal import length, padded
+from .single_lines import add_scaled, copy_line, reflect_below
 from .sums import SHORT, add_long, multiply_long
 
 #: How often the bounds that are met are guessed before the solver is asked.
@@ -57,10 +59,7 @@ def write_row(here, d, row, bound, own):
 @inner
 def value_of(here, row):
     """The value of a row (n,) at ``reach``."""
-    base, value = vector(here, at.REACH), 0.0
-    for j in range(ints(here, 0, plain.HEAD)[plain.N]):
-        value += row[j] * base[j]
-    return value
+    return product(row, vector(here, at.REACH), ints(here, 0, plain.HEAD)[plain.N])
 
 
 @inner
@@ -76,13 +75,11 @@ def write_rows(here, k, d):
     size, row = matrix(here, at.NORMS)[k][head[at.NUMBER]], vector(here, at.ROW_NOW)
     for p in range(d):
         own = T[p]
-        for q in range(d):
-            own[q] = K[p][q]
+        copy_line(K[p], padded(d), own)
         own[d] = towards[p]
     for r in range(head[at.ACTIVE]):
-        row_along, own = matrix(here, at.G)[r], T[total]
-        for p in range(d):
-            own[p] = row_along[p]
+        own = T[total]
+        copy_line(matrix(here, at.G)[r], padded(d), own)
         own[d] = weights[ids[r]] * lower[ids[r]] - value_of(here, matrix(here, at.J)[r])
         total += 1
     for s in range(of[head[at.TOP]], of[k]):
@@ -150,36 +147,24 @@ def refine(here, k, d, total):
 
 
 @inner
-def triangulate(T, d, total, parts, work):
+def triangulate(T, d, total, parts):
     """Reflect the rows T[:total, : d + 1], of which the first d are upper triangular, so that all others are zero.
 
-    `parts` (total,) and `work` (d + 1,) are work space. Columns that are done are left as they are.
+    `parts` (total,) is work space. Columns that are done, and entries below the diagonal, become anything.
     """
     for j in range(d):
-        top, width, square = T[j][j:], d + 1 - j, 0.0
+        own, square = T[j], 0.0
         for i in range(d, total):
             parts[i] = T[i][j]
             square += parts[i] * parts[i]
         if square == 0.0:
             continue
-        size = math.sqrt(square + top[0] * top[0])
-        if top[0] > 0.0:
+        size = math.sqrt(square + own[j] * own[j])
+        if own[j] > 0.0:
             size = -size
-        first = top[0] - size
-        scale = 2.0 / (square + first * first)
-        for c in range(width):
-            work[c] = first * top[c]
-        for i in range(d, total):
-            row, part = T[i][j:], parts[i]
-            for c in range(width):
-                work[c] += part * row[c]
-        for c in range(width):
-            top[c] -= scale * first * work[c]
-        top[0] = size
-        for i in range(d, total):
-            row, part = T[i][j:], scale * parts[i]
-            for c in range(width):
-                row[c] -= part * work[c]
+        head = own[j] - size
+        reflect_below(T, j, d, total, head, parts, 2.0 / (square + head * head), j, padded(d + 1))
+        own[j] = size
 
 
 @inner
@@ -202,10 +187,7 @@ def meet(here, d, first, met):
         turn(T, row, d)
         row[d], out[count] = far, 0.0
         for r in range(count + 1):
-            other, total = T[first + r], 0.0
-            for p in range(d):
-                total += row[p] * other[p]
-            M[count][r] = M[r][count] = total
+            M[count][r] = M[r][count] = product(row, T[first + r], d)
         count += 1
     if not cholesky(M, L, count):
         return False
@@ -228,10 +210,8 @@ def come_nearer(here, d, first, count):
         vector(here, at.ROW_NOW),
     )
     for r in range(count):
-        row, lacks = T[first + r], T[first + r][d]
-        for p in range(d):
-            lacks -= row[p] * w[p]
-        step[r] = lacks
+        row = T[first + r]
+        step[r] = row[d] - product(row, w, d)
     for r in range(count):
         for q in range(r):
             step[r] -= L[r][q] * step[q]
@@ -241,10 +221,8 @@ def come_nearer(here, d, first, count):
             step[r] -= L[q][r] * step[q]
         step[r] /= L[r][r]
     for r in range(count):
-        row, part = T[first + r], step[r]
-        out[r] += part
-        for p in range(d):
-            w[p] += part * row[p]
+        out[r] += step[r]
+        add_scaled(T[first + r], step[r], padded(d), w)
 
 
 @inner
@@ -263,13 +241,10 @@ def let_go(here, met):
 def arrive(here, d, met, x):
     """Write x = reach + Z' y; bounds that it passes, by more than round-off, join `met`. Whether there are any."""
     n, base, y = ints(here, 0, plain.HEAD)[plain.N], vector(here, at.REACH), vector(here, at.MU)
-    least, most, size, some = vector(here, at.LEAST), vector(here, at.MOST), 0.0, False
-    for j in range(n):
-        x[j] = base[j]
+    least, most, some = vector(here, at.LEAST), vector(here, at.MOST), False
+    copy_line(base, padded(n), x)
     add_along(here, y, 0, d, x)
-    for j in range(n):
-        size += x[j] * x[j]
-    near = ROUNDING * math.sqrt(size)
+    near = ROUNDING * length(x, n)
     for j in range(n):
         if met[j] != 0:
             x[j] = most[j] if met[j] > 0 else least[j]
@@ -295,9 +270,8 @@ def keeps_rows(here, k, above, x):
     for p in range(marks(here, at.OWN_OF)[k]):
         i = marks(here, at.OWN)[p]
         if state[i] == at.HELD:
-            row, value, wanted = matrix(here, at.ROW)[i], 0.0, reached[i]
-            for j in range(n):
-                value += row[j] * x[j]
+            row, wanted = matrix(here, at.ROW)[i], reached[i]
+            value = product(row, x, n)
             near = KEPT * length(row, n) * size
         elif state[i] != at.GIVEN or (col[i] >= 0 and lower[i] != upper[i]):
             continue  # of no matter here; or a bound, which is kept
@@ -325,7 +299,7 @@ def solve_directly(here, k, above):
     if refined:
         if d > SHORT:
             write_rows(here, k, d)
-        triangulate(matrix(here, at.LEAST_SQUARES), d, total, vector(here, at.PARTS), vector(here, at.ROW_NOW))
+        triangulate(matrix(here, at.LEAST_SQUARES), d, total, vector(here, at.PARTS))
     for _ in range(GUESSES):
         if not meet(here, d, total, met):
             break

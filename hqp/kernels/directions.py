@@ -6,7 +6,7 @@ from . import curved_layout as at
 from . import layout as plain
 from .compile import inner
 from .memory import ints, marks, matrix
-from .sums import SHORT, add_long, add_rows, multiply, multiply_long
+from .sums import add_rows, multiply
 
 
 @inner
@@ -24,10 +24,7 @@ def along(here, row, d, out):
             out[p] = row[columns[p]]
         return
     n = ints(here, 0, plain.HEAD)[plain.N]
-    if n > SHORT:
-        multiply_long(matrix(here, at.BASIS), d, row, n, out)
-    else:
-        multiply(matrix(here, at.BASIS), d, row, n, out)
+    multiply(matrix(here, at.BASIS), d, row, n, out)
 
 
 @inner
@@ -39,10 +36,7 @@ def add_along(here, y, first, d, out):
             out[columns[p]] += y[p]
         return
     n = ints(here, 0, plain.HEAD)[plain.N]
-    if n > SHORT:
-        add_long(y, matrix(here, at.BASIS), first, d, 0, n, out)
-    else:
-        add_rows(y, matrix(here, at.BASIS), first, d, n, out)
+    add_rows(y, matrix(here, at.BASIS), first, d, n, out)
 
 
 @inner

@@ -17,9 +17,11 @@ from .compile import inner, integer
 from .curved_rows import VIOLATED, measured, write_weighted
 from .definite import cholesky
 from .directions import along
+from .lines import product
 from .memory import ints, marks, matrix, vector
-from .orthogonal import length
-from .sums import SHORT, add_long, add_rows, add_to_each, multiply
+from .orthogonal import length, padded
+from .single_lines import clear_line
+from .sums import add_rows, add_to_each, multiply
 from .symmetric import eigen
 
 #: Stiffness of a soft row that is half met; and the stiffness above which a row is held instead: levels below move it
@@ -40,12 +42,8 @@ def set_aside(here, row, d):
     n, basis, turned = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.BASIS), vector(here, at.REACH)
     size, total = length(row, d), 0.0
     row[d - 1] += size if row[d - 1] > 0.0 else -size
-    for j in range(n):
-        turned[j] = 0.0
-    if n > SHORT:
-        add_long(row, basis, 0, d, 0, n, turned)
-    else:
-        add_rows(row, basis, 0, d, n, turned)
+    clear_line(turned, padded(n))
+    add_rows(row, basis, 0, d, n, turned)
     for p in range(d):
         total += row[p] * row[p]
     for p in range(d):
@@ -95,10 +93,9 @@ def freeze(here, k, count, d, x, size):
         return soften(here, k, count, d, x, size)
     mine, of = marks(here, at.OWN), marks(here, at.OWN_OF)
     for p in range(of[k], of[k + 1]):  # those too that have no error now, if this x violates them
-        i, value = mine[p], 0.0
+        i = mine[p]
         write_weighted(here, i, rows[i])
-        for j in range(n):
-            value += rows[i][j] * x[j]
+        value = product(rows[i], x, n)
         low, high = weights[i] * lower[i], weights[i] * upper[i]
         off = max(value - high, low - value)
         if lower[i] == upper[i] or off > VIOLATED * (abs(value) + off):
@@ -168,8 +165,7 @@ def separate(here, count, d, size):
                 larger += 1
         if larger >= d:
             continue
-        for p in range(d):
-            row[p] = 0.0
+        clear_line(row, padded(d))
         add_rows(own, G, 0, count, d, row)
         reach = length(row, d)
         if not reach > NONE * size:  # nor where it is no number
@@ -198,7 +194,7 @@ def compliance(here, count, d, size):
         matrix(here, at.HALF),
         vector(here, at.VALUES),
     )
-    rank, product = separate(here, count, d, size), vector(here, at.MU)
+    rank, moved = separate(here, count, d, size), vector(here, at.MU)
     damped, stiff = vector(here, at.SO_FAR)[at.STRENGTH] > 0.0, ints(here, 0, plain.HEAD)[at.STIFF] != 0
     for r in range(rank if stiff else 0):  # D = P + |J|^2 (1 - L^-1 L^-T): rows times L^-1, to E
         row, own = E[r], half[r]
@@ -211,21 +207,20 @@ def compliance(here, count, d, size):
                 row[q] -= row[p] * factor[q]
     for r in range(rank):
         for j in range(d):
-            product[j] = size * size * half[r][j] if stiff else 0.0
+            moved[j] = size * size * half[r][j] if stiff else 0.0
         if damped:
-            add_rows(half[r], P, 0, d, d, product)
-        multiply(half, r + 1, product, d, M[r])
+            add_rows(half[r], P, 0, d, d, moved)
+        multiply(half, r + 1, moved, d, M[r])
         if stiff:
-            multiply(E, r + 1, E[r], d, product)
+            multiply(E, r + 1, E[r], d, moved)
             for q in range(r + 1):
-                M[r][q] -= size * size * product[q]
+                M[r][q] -= size * size * moved[q]
         for q in range(r):
             M[q][r] = M[r][q]
     eigen(M, P, values, rank, 0.0)  # P is no longer needed
     for r in range(rank):
         row = Q[r]
-        for i in range(count):
-            row[i] = 0.0
+        clear_line(row, padded(count))
         add_rows(P[r], U, 0, rank, count, row)
     for r in range(rank, count):
         for i in range(count):
@@ -238,8 +233,7 @@ def combined_length(here, combination, count, d):
     """The length of a combination of the `count` rows G, along d directions in the metric of the soft rows above."""
     G = matrix(here, at.G if ints(here, 0, plain.HEAD)[at.STIFF] == 0 else at.G_MEASURED)
     along_all = matrix(here, at.HALF)[0]
-    for p in range(d):
-        along_all[p] = 0.0
+    clear_line(along_all, padded(d))
     add_rows(combination, G, 0, count, d, along_all)
     return length(along_all, d)
 
@@ -256,16 +250,13 @@ def soften(here, k, count, d, x, size):
     rank, first, directions = compliance(here, count, d, size), marks(here, plain.PTR)[k], d
     for r in range(count):
         i = ids[r]
-        row, own, value = rows[i], matrix(here, at.COMBINED)[i], 0.0
+        row, own = rows[i], matrix(here, at.COMBINED)[i]
         combine_nothing(here, k, i)
-        for j in range(n):
-            row[j] = 0.0
+        clear_line(row, padded(n))
         for p in range(count):
             own[ids[p] - first] = Q[r][p]
         add_rows(Q[r], J, 0, count, n, row)
-        for j in range(n):
-            value += row[j] * x[j]
-        reached[i] = value
+        reached[i] = product(row, x, n)
         along(here, row, d, left)
         if r < rank and soft[r] > (STIFF / STIFFEST) ** 2 and d > 0 and length(left, d) > NONE * size:
             long = combined_length(here, Q[r], count, directions)

@@ -62,7 +62,7 @@ def _write_products_of_first(write, rows, count, x, n, out):
             entries = x.some(whole, there)
             for row, one in zip(mine, sums, strict=True):
                 terms = write.times(row.line(whole), entries)
-                write.add(one, builder.select(there, terms, ir.Constant(LINE, None)))
+                write.add(one, write.among(there, terms))
         out.write(places[0], write.totals([write.together([one]) for one in sums]))
 
 
@@ -212,12 +212,13 @@ def _any_sum(write, count, line_at, entry_at):
 
 
 def _product(write, row, x, count):
-    return _any_sum(
-        write,
-        count,
-        lambda t: write.times(row.line(t), x.line(t)),
-        lambda t: write.times(row.entry(t), x.entry(t)),
-    )
+    sums, whole = write.sums(2), write.builder.and_(count, LONG(-PAD))
+    for places in write.lines(whole, (2, 1)):
+        for one, t in zip(sums, places, strict=False):
+            write.add(one, write.times(row.line(t), x.line(t)))
+    there = write.first(write.builder.and_(count, LONG(PAD - 1)))
+    write.add(sums[0], write.times(row.some(whole, there), x.some(whole, there)))
+    return write.total(sums)
 
 
 @written(_product, types.float64)
@@ -302,7 +303,7 @@ def scale_behind(row, share, begin, wide, out):
 
 
 def _rotate(write, one, other, sine, cosine, wide):
-    s, c = write.everywhere(sine), write.everywhere(cosine)
+    s, c = (write.everywhere(root) for root in write.roots(sine, cosine))
     for (t,) in write.lines(wide, (1,)):
         a, b = one.line(t), other.line(t)
         one.write(t, write.minus(write.times(a, c), write.times(b, s)))
@@ -311,7 +312,8 @@ def _rotate(write, one, other, sine, cosine, wide):
 
 @written(_rotate)
 def rotate(one, other, sine, cosine, wide):
-    """Rotate two rows in their plane."""
+    """Rotate two rows in their plane, by the squares of sine and cosine, which have the signs of these."""
+    sine, cosine = (math.copysign(math.sqrt(abs(square)), square) for square in (sine, cosine))
     for t in range(wide):
         one[t], other[t] = cosine * one[t] - sine * other[t], sine * one[t] + cosine * other[t]
 

@@ -92,10 +92,7 @@ def split(row, wide, V, first, c, coefficients):
 @inner
 def length(row, f):
     """Euclidean norm of row[:f]."""
-    total = 0.0
-    for t in range(f):
-        total += row[t] * row[t]
-    return math.sqrt(total)
+    return math.sqrt(product(row, row, f))
 
 
 @inner

@@ -11,7 +11,10 @@ from .compile import inner
 from .curved_rows import write_gram
 from .definite import upper_factor
 from .directions import add_along, along
+from .lines import product
 from .memory import floats, ints, marks, matrix, vector
+from .orthogonal import padded
+from .single_lines import add_scaled, clear_line, copy_line
 from .sums import add_rows, multiply
 
 #: Regularisation of a matrix before its Cholesky factorisation, relative to its trace.
@@ -78,8 +81,7 @@ def out_of_metric(here, d):
         for q in range(d):
             M[p][q] = P[p][q] if damped and not stiff else 0.0
     for p in range(d if damped and stiff else 0):
-        for q in range(d):
-            row[q] = 0.0
+        clear_line(row, padded(d))
         add_rows(L[p], P, 0, p + 1, d, row)
         for q in range(p + 1):
             factor, total = L[q], 0.0
@@ -124,15 +126,12 @@ def draw(here, k, d, lean):
         gram, floor = matrix(here, at.GRAM_OF_G), so_far[at.ALIKE] * so_far[at.SIZE] * so_far[at.SIZE]
         along(here, vector(here, at.LAST), d, there)
         for p in range(d):
-            row, own, other = M[p], E[p], gram[p]
-            for q in range(d):
-                own[q] = row[q] + other[q]
-                row[q] += lean * lean * own[q]
+            row, own = M[p], E[p]
+            copy_line(row, padded(d), own)
+            add_scaled(gram[p], 1.0, padded(d), own)
+            add_scaled(own, lean * lean, padded(d), row)
             row[p] += lean * lean * floor
-            total = floor * there[p]
-            for q in range(d):
-                total += own[q] * there[q]
-            towards[p] += lean * lean * total
+            towards[p] += lean * lean * (floor * there[p] + product(own, there, d))
         if head[at.LAGS] != 0:
             brake(here, k, d)
     unit = so_far[at.SIZE] * so_far[at.SIZE]
@@ -187,8 +186,7 @@ def write_damping(here, k, first):
     some = factor(here, k, d)
     for p in range(len(matrix(here, at.BASIS))):
         own = damped[k * n + first + p]
-        for j in range(n + 1):
-            own[j] = 0.0
+        clear_line(own, padded(n + 1))
         if some and p < d:
             row = K[p]
             add_along(here, row, p, d, own)

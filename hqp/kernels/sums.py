@@ -6,6 +6,7 @@ from .compile import inner, precise
 from .layout import PAD
 from .lines import add_lines_behind, add_to_lines, multiply_first
 from .orthogonal import padded
+from .single_lines import add_line, multiply_line
 
 #: Rows of up to so many entries are faster entry by entry, as part of the loops around them, than by lines.
 SHORT = PAD
@@ -49,65 +50,26 @@ def add_long(shares, rows, first, end, begin, n, out):
 
 @inner
 def multiply(rows, count, x, n, out):
-    """Write the products of rows[:count] with x[:n] to out[:count]."""
-    p = 0
-    while p + 3 < count:  # four rows in each pass, so that x is read once
-        r0, r1, r2, r3 = rows[p], rows[p + 1], rows[p + 2], rows[p + 3]
-        d0 = d1 = d2 = d3 = 0.0
-        for j in range(n):
-            d0 += r0[j] * x[j]
-            d1 += r1[j] * x[j]
-            d2 += r2[j] * x[j]
-            d3 += r3[j] * x[j]
-        out[p], out[p + 1], out[p + 2], out[p + 3] = d0, d1, d2, d3
-        p += 4
-    while p < count:
-        r0, d0 = rows[p], 0.0
-        for j in range(n):
-            d0 += r0[j] * x[j]
-        out[p] = d0
-        p += 1
+    """Write the products of rows[:count], which have room for whole lines, with x[:n] to out[:count]."""
+    if n > PAD:
+        multiply_long(rows, count, x, n, out)
+    else:
+        multiply_line(rows, count, x, n, out)
 
 
 @inner
 def add_rows(shares, rows, first, end, n, out):
-    """Add the rows first .. end - 1, each times its share, to out[:n]."""
-    p = first
-    while p + 3 < end:
-        r0, r1, r2, r3 = rows[p], rows[p + 1], rows[p + 2], rows[p + 3]
-        s0, s1, s2, s3 = shares[p], shares[p + 1], shares[p + 2], shares[p + 3]
-        for j in range(n):
-            out[j] += s0 * r0[j] + s1 * r1[j] + s2 * r2[j] + s3 * r3[j]
-        p += 4
-    while p < end:
-        r0, s0 = rows[p], shares[p]
-        for j in range(n):
-            out[j] += s0 * r0[j]
-        p += 1
+    """Add the rows first .. end - 1, each times its share, to out[:n]; the rest of its last line becomes anything."""
+    if n > PAD:
+        add_long(shares, rows, first, end, 0, n, out)
+    else:
+        add_line(shares, rows, first, end, out)
 
 
 @inner
 def add_to_each(rows, count, shares, x, n):
     """Add x[:n], times its share, to each of rows[:count]; the rest of their last lines may become anything."""
-    if n > SHORT:
-        add_to_lines(rows, count, shares, x, padded(n))
-        return
-    p = 0
-    while p + 3 < count:
-        r0, r1, r2, r3 = rows[p], rows[p + 1], rows[p + 2], rows[p + 3]
-        s0, s1, s2, s3 = shares[p], shares[p + 1], shares[p + 2], shares[p + 3]
-        for j in range(n):
-            value = x[j]
-            r0[j] += s0 * value
-            r1[j] += s1 * value
-            r2[j] += s2 * value
-            r3[j] += s3 * value
-        p += 4
-    while p < count:
-        r0, s0 = rows[p], shares[p]
-        for j in range(n):
-            r0[j] += s0 * x[j]
-        p += 1
+    add_to_lines(rows, count, shares, x, padded(n))
 
 
 @inner
@@ -116,7 +78,4 @@ def add_squares(shares, rows, count, n, weight, out):
     for i in range(n):
         for r in range(count):
             shares[r] = weight * rows[r][i]
-        if n > SHORT:
-            add_long(shares, rows, 0, count, 0, n, out[i])
-        else:
-            add_rows(shares, rows, 0, count, n, out[i])
+        add_rows(shares, rows, 0, count, n, out[i])

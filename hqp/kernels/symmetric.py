@@ -2,22 +2,26 @@ r"""Eigenvalues and eigenvectors of small symmetric matrices.
 
 Eigenvalues by Householder reflections to a tridiagonal matrix, then implicit QL steps with Wilkinson's shift (Golub and
 Van Loan, *Matrix Computations*, 8.3), as loops over rows. Each rotation has to wait for the one before it, and half of
-that would be for a root. So a step finds the squares of its sines and cosines without any (Reinsch, 1971), and takes
-their roots, which the eigenvectors need, beside that.
+that would be for a root. So a step finds the squares of its sines and cosines without any (Reinsch, 1971), from squares
+of what is beside the diagonal, and takes their roots, which the eigenvectors need, beside that.
 """
 
 from __future__ import annotations
 
 import math
 
-from .compile import inner, integer
+from .compile import inner, integer, precise
 from .lines import reflect, rotate, subtract_both
 from .orthogonal import padded
-from .sums import SHORT, add_long, add_rows, multiply_long
+from .single_lines import clear_line
+from .sums import SHORT, add_rows, multiply_long
 
 #: An off-diagonal entry counts as zero below this share of its two diagonal neighbours; and the most QL steps for each
 #: eigenvalue.
 ZERO, MOST = 1e-16, 60
+#: A matrix with less in it is zero; and where the largest entry is 1, the square of one beside the diagonal that is
+#: less, before its inverse is too large for a number.
+TINY = 1e-290
 #: A cosine is zero where its square is less than the inverse of this.
 MUCH = 1e280
 #: Share of the largest entry of a matrix that is round-off of its own computation, such as a product of three.
@@ -92,15 +96,25 @@ def gather_beside(M, n):
 
 @inner
 def diagonalise(beside, U, values, n, columns, noise):
-    """QL steps on a tridiagonal matrix, `values` and `beside`; they rotate the first columns of U along."""
+    """QL steps on a tridiagonal matrix, `values` and `beside`; they rotate the first columns of U along.
+
+    Meanwhile the matrix is scaled to entries of up to 1, and beside the diagonal are squares with the signs of entries.
+    """
     size = 0.0
     for i in range(1, n):
         size = max(size, abs(values[i]) + abs(beside[i]))
-    size = noise * max(size, abs(values[0])) if n > 0 else 0.0
+    size = max(size, abs(values[0])) if n > 0 else 0.0
+    if not size > TINY:
+        return
+    over, least = 1.0 / size, max(noise * noise, TINY)
+    for i in range(n):
+        values[i] *= over
+    for i in range(1, n):
+        beside[i] = math.copysign((over * beside[i]) * (over * beside[i]), beside[i])
     end, tries = n - 1, integer(0)
     while end > 0 and tries < MOST * n:
         begin = end
-        while begin > 0 and counts(beside[begin], values[begin], values[begin - 1], size):
+        while begin > 0 and counts(beside[begin], values[begin], values[begin - 1], least):
             begin -= 1
         if begin == end:
             end -= 1
@@ -111,13 +125,17 @@ def diagonalise(beside, U, values, n, columns, noise):
             end = begin
         else:
             step(beside, U, values, begin, end, columns)
+    for i in range(n):
+        values[i] *= size
 
 
 @inner
-def counts(entry, one, other, noise):
-    """Whether an off-diagonal entry is more than round-off, and its square not zero."""
-    least = max(ZERO * (abs(one) + abs(other)), noise)
-    return entry * entry > least * least
+def counts(square, one, other, noise):
+    """Whether an off-diagonal entry, of which this is the square, is more than round-off; so is the square `noise`."""
+    if not abs(square) > noise:
+        return False
+    least = ZERO * (abs(one) + abs(other))
+    return abs(square) > least * least
 
 
 @inner
@@ -141,10 +159,7 @@ def add_spectrum(U, values, n, count, scale, shares, out):
     for i in range(n):
         for p in range(count):
             shares[p] = scale * values[p] * U[p][i]
-        if n > SHORT:
-            add_long(shares, U, 0, count, 0, n, out[i])
-        else:
-            add_rows(shares, U, 0, count, n, out[i])
+        add_rows(shares, U, 0, count, n, out[i])
 
 
 @inner
@@ -199,8 +214,7 @@ def accumulate(M, U, n):
     wide = padded(n)
     for i in range(n):
         own, u, scale = U[i], M[i], M[i][i] if i > 0 else 0.0
-        for j in range(wide):
-            own[j] = 0.0
+        clear_line(own, wide)
         own[i] = 1.0
         if scale == 0.0:
             continue
@@ -221,44 +235,45 @@ def accumulate(M, U, n):
 @inner
 def pair(beside, U, values, i, n):
     """Make the block of rows i and i + 1 diagonal by one rotation, which also turns these rows of U."""
-    entry, half = beside[i + 1], 0.5 * (values[i + 1] - values[i])
-    root = math.sqrt(half * half + entry * entry)
-    t = entry / (half + (root if half >= 0.0 else -root))
-    c = 1.0 / math.sqrt(1.0 + t * t)
-    values[i] -= t * entry
-    values[i + 1] += t * entry
+    square, half = abs(beside[i + 1]), 0.5 * (values[i + 1] - values[i])
+    root = math.sqrt(half * half + square)
+    far = half + (root if half >= 0.0 else -root)
+    over = 1.0 / (far * far + square)
+    values[i] -= square / far
+    values[i + 1] += square / far
+    sine = math.copysign(square * over, beside[i + 1] if half >= 0.0 else -beside[i + 1])
     beside[i + 1] = 0.0
-    rotate(U[i], U[i + 1], t * c, c, n)
+    rotate(U[i], U[i + 1], sine, far * far * over, n)
 
 
-@inner
+@precise
 def step(beside, U, values, begin, end, n):
-    r"""One implicit QL step on the block begin .. end: diagonal `values`, off-diagonal `beside`; rotates U with it.
+    r"""One implicit QL step on the block begin .. end: diagonal `values`, squares `beside` it; rotates U with it.
 
     With the pivot :math:`\pi` of a rotation, p is its square, g is it times the cosine of the rotation before, and
-    `sign` its sign, which is that of its own cosine.
+    `sign` its sign, which is that of its own cosine. Sums and products are kept in their order: each rotation waits for
+    one quotient of the one before, not for two.
     """
-    half, square = 0.5 * (values[begin + 1] - values[begin]), beside[begin + 1] * beside[begin + 1]
-    root = math.sqrt(half * half + square)  # hypot takes three times as long, and no entry is near 1e150
-    shift = values[begin] - (square / (half + (root if half >= 0.0 else -root)) if root > 0.0 else 0.0)
+    half, square = 0.5 * (values[begin + 1] - values[begin]), abs(beside[begin + 1])
+    root = math.sqrt(half * half + square)  # hypot takes three times as long
+    shift = values[begin] + (half - math.copysign(root, half))  # round-off in it makes no eigenvalue less accurate
     g = values[end] - shift
-    sign, last, p, c, s = 1.0 if g >= 0.0 else -1.0, 1.0, g * g, 1.0, 0.0
+    sign, last, p, c, sine = math.copysign(1.0, g), 1.0, g * g, 1.0, 0.0
     for i in range(end - 1, begin - 1, -1):
         entry, diagonal = beside[i + 1], values[i]
-        square = entry * entry
+        square = abs(entry)
         total = p + square
         if i + 1 < end:
-            beside[i + 2] = s * math.sqrt(total)
-        before, old, c, sine, ratio = c, g, p / total, square / total, total / p  # of squares
-        g = c * (diagonal - shift) - sine * old
+            beside[i + 2] = math.copysign(sine * total, beside[i + 2])
+        before, old, over, much = c, g, 1.0 / total, p * (diagonal - shift) - square * g
+        c, sine, g = p * over, square * over, much * over
         values[i + 1] = old + (diagonal - g)
-        s, cosine = math.copysign(math.sqrt(sine), entry), sign * math.sqrt(c)
-        if ratio < MUCH:
-            p = g * g * ratio
-            last, sign = sign, sign if g >= 0.0 else -sign
+        rotate(U[i], U[i + 1], math.copysign(sine, entry), math.copysign(c, sign), n)
+        if total < MUCH * p:
+            p = g * (much / p)
+            last, sign = sign, sign * math.copysign(1.0, g)
         else:  # the limit as the cosine goes to zero
             p = before * square
             last, sign = sign, -last
-        rotate(U[i], U[i + 1], s, cosine, n)
     values[begin] = g + shift
-    beside[begin + 1] = s * sign * math.sqrt(p)
+    beside[begin + 1] = math.copysign(sine * p, sign * beside[begin + 1])

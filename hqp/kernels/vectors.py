@@ -111,9 +111,24 @@ class Writer:
 
     def root(self, values):
         """The square root of each entry."""
-        kind = ir.FunctionType(values.type, [values.type])
-        name = f"llvm.sqrt.v{values.type.count}f64"
-        return self.builder.call(get_or_insert_function(self.builder.module, kind, name), [values])
+        return self._by("sqrt", values)
+
+    def roots(self, *squares):
+        """The square roots of some numbers, found at once, with the signs of these."""
+        kind = ir.VectorType(NUMBER, len(squares))
+        together = ir.Constant(kind, ir.Undefined)
+        for k, square in enumerate(squares):
+            together = self.builder.insert_element(together, square, self._index(k))
+        size = self._by("fabs", together)
+        found = self._by("copysign", self.root(size), together)
+        return [self.number(found, k) for k in range(len(squares))]
+
+    def _by(self, name, *vectors):
+        """What LLVM has of this name for such vectors."""
+        kind = vectors[0].type
+        function = ir.FunctionType(kind, [kind] * len(vectors))
+        name = f"llvm.{name}.v{kind.count}f64"
+        return self.builder.call(get_or_insert_function(self.builder.module, function, name), vectors)
 
     def everywhere(self, number, kind=LINE):
         """A line of one number."""
@@ -130,6 +145,10 @@ class Writer:
         """Which entries of a line are its first ones, so many."""
         kind = ir.VectorType(LONG, PAD)
         return self.builder.icmp_signed("<", ir.Constant(kind, list(range(PAD))), self.everywhere(count, kind))
+
+    def among(self, which, values):
+        """These entries of a line, and zeros in place of others."""
+        return self.builder.select(which, values, ir.Constant(LINE, None))
 
     def number(self, values, place):
         """One entry of a vector."""
