@@ -89,9 +89,10 @@ def solve_stage(here, k):
         damped = write_damping(block, k, first)
         first += len(matrix(block, at.BASIS))
     if damped and head[at.QUICK] != 0 and len(blocks) == 1:
-        above = matrix(here, at.POINTS)[k - 1]
         if k == head[at.OPENED]:
             above = vector(marks(here, at.DIRECTORIES)[head[plain.LEVELS]], plain.X)
+        else:
+            above = matrix(here, at.POINTS)[k - 1]
         if solve_directly(here, k, above):
             head[at.SWEEPS] += 1
             return integer(OPTIMAL)
