@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import errno
 import gc
+import importlib
 import operator
 import os
 import subprocess
@@ -69,6 +70,50 @@ def test_indices_in_kernels_are_taken_as_they_are() -> None:
     assert usual(given, -1) == 2.0
     (llvm,), (other,) = (list(compiled.inspect_llvm().values()) for compiled in (kernel, usual))
     assert len(llvm) < len(other)
+
+
+def from_the_end(source: str, scope: dict[str, object]) -> list[str]:
+    """The indices in compiled functions that are negative whatever the numbers are, as -1 or a constant of a module."""
+    found = []
+    for function in ast.parse(source).body:
+        if not isinstance(function, ast.FunctionDef) or not function.decorator_list:
+            continue
+        for node in ast.walk(function):
+            if isinstance(node, ast.Subscript):
+                places = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
+                ends = [end for p in places for end in ([p.lower, p.upper] if isinstance(p, ast.Slice) else [p]) if end]
+                found += [ast.unparse(node) for end in ends if is_negative(end, scope)]
+    return found
+
+
+def is_negative(index: ast.expr, scope: dict[str, object]) -> bool:
+    """Whether an index is a negative constant, or a name or number with a minus before it."""
+    if isinstance(index, ast.UnaryOp) and isinstance(index.op, ast.USub):
+        return True
+    try:
+        value = eval(compile(ast.Expression(index), "", "eval"), {"__builtins__": {}}, scope)
+    except (NameError, TypeError):  # of variables
+        return False
+    return isinstance(value, int) and value < 0
+
+
+@pytest.mark.parametrize("index", ["-1", "-k", "0, -1", "LAST", "at.LAST", "-2:", "FIRST - 1"])
+def test_an_index_from_the_end_is_found(index: str) -> None:
+    scope = {"LAST": -1, "at": SimpleNamespace(LAST=-1), "FIRST": 0}
+    source = "@inner\ndef f(x, k):\n    return x[{}]\n"
+    assert from_the_end(source.format(index), scope)
+    for allowed in "0", "k - 1", "-1 - k", "k, 0", "FIRST", "1:", "x[k] - 1":
+        assert not from_the_end(source.format(allowed), scope)
+
+
+def test_no_kernel_counts_from_the_end() -> None:
+    """As nothing asks of an index whether it is negative, see above."""
+    for package in hqp, tasks:
+        home = Path(package.__file__).parent
+        for path in sorted({*home.rglob("kernels.py"), *home.rglob("kernels/*.py")}):
+            name = ".".join((package.__name__, *path.relative_to(home).with_suffix("").parts))
+            scope = vars(importlib.import_module(name.removesuffix(".__init__")))
+            assert not from_the_end(path.read_text(encoding="utf-8"), scope), path
 
 
 @pytest.mark.parametrize("missing", [*optimised.PRIVATE, None])

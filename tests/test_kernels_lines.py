@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from kernels import compiled, plain
 
-from hqp.kernels import lines, single_lines, vectors
+from hqp.kernels import lines, single_lines, transforms, vectors
 from hqp.kernels.layout import PAD
 
 NAMES = (
@@ -21,27 +21,25 @@ NAMES = (
     "multiply_lines",
     "pick_entries",
     "product",
-    "reflect",
-    "rotate",
     "scale_behind",
     "scale_line",
-    "subtract_both",
     "subtract_chosen",
     "subtract_lines",
     "take_out",
     "weigh",
 )
 SINGLE = "add_line", "add_scaled", "clear_line", "copy_line", "eliminate", "multiply_line", "reflect_below"
+TRANSFORMS = "reflect", "rotate", "subtract_both"
 WIDTHS = PAD * np.array([1, 2, 3, 4, 7])
 
 
 @pytest.fixture(scope="module", params=["compiled", "plain"])
 def loops(request):
     if request.param == "compiled":
-        both = compiled(lines, *NAMES), compiled(single_lines, *SINGLE)
+        found = compiled(lines, *NAMES), compiled(single_lines, *SINGLE), compiled(transforms, *TRANSFORMS)
     else:
-        both = plain(vectors, lines), plain(vectors, single_lines)
-    return SimpleNamespace(**{name: value for loops in both for name, value in vars(loops).items() if name[0] != "_"})
+        found = [plain(vectors, lines, module) for module in (lines, single_lines, transforms)]
+    return SimpleNamespace(**{name: value for loops in found for name, value in vars(loops).items() if name[0] != "_"})
 
 
 def close(one, other):

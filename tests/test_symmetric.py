@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from hqp.arrays import Array
-from hqp.kernels import definite, lines, orthogonal, single_lines, sums, symmetric, vectors
+from hqp.kernels import definite, lines, orthogonal, single_lines, sums, symmetric, transforms, vectors
 from hqp.kernels.layout import PAD
 
 #: By their names, what makes a matrix of this size.
@@ -50,7 +50,7 @@ def with_room(A: Array) -> Array:
 def solvers() -> list[SimpleNamespace]:
     return [
         kernels.compiled(symmetric, "eigen"),
-        kernels.plain(vectors, lines, single_lines, orthogonal, sums, symmetric),
+        kernels.plain(vectors, lines, single_lines, orthogonal, sums, transforms, symmetric),
     ]
 
 
@@ -82,7 +82,7 @@ def test_factor_and_largest_eigenvalue_of_a_positive_matrix(n: int) -> None:
         A = rows.T @ rows
         for solver in (
             kernels.compiled(symmetric, "largest"),
-            kernels.plain(vectors, lines, single_lines, orthogonal, sums, symmetric),
+            kernels.plain(vectors, lines, single_lines, orthogonal, sums, transforms, symmetric),
         ):
             M, values = with_room(A), np.full(room(n)[1], np.nan)
             assert solver.largest(M, values, n) == pytest.approx(np.linalg.norm(A, 2), rel=1e-12)
@@ -121,7 +121,7 @@ def test_the_part_of_a_matrix_with_eigenvalues_of_one_sign(n: int, sign: float) 
     found, axes = np.linalg.eigh(A)
     for solver in (
         kernels.compiled(symmetric, "eigen", "bring_forward", "add_spectrum"),
-        kernels.plain(vectors, lines, single_lines, orthogonal, sums, symmetric),
+        kernels.plain(vectors, lines, single_lines, orthogonal, sums, transforms, symmetric),
     ):
         M, U, values, part = with_room(A), np.empty(room(n)), np.empty(room(n)[1]), with_room(A)
         solver.eigen(M, U, values, n, 0.0)

@@ -83,13 +83,10 @@ def multipliers(here, k, above, damped):
 @inner
 def contract(here, first, end):
     """Write ``S``, the curvatures of levels first .. end - 1 contracted with ``wanted``; returns its Frobenius norm."""
-    n = ints(here, 0, plain.HEAD)[plain.N]
-    calls, of, wanted, S = marks(here, at.CALLS), marks(here, at.CALLS_OF), vector(here, at.WANTED), matrix(here, at.S)
-    for i in range(n):
-        row = S[i]
-        for j in range(n):
-            row[j] = 0.0
-    some, total = False, 0.0
+    calls, of, wanted = marks(here, at.CALLS), marks(here, at.CALLS_OF), vector(here, at.WANTED)
+    entries, some = vector(here, at.ALL_OF_S), False
+    for i in range(len(entries)):
+        entries[i] = 0.0
     for p in range(at.CALL * of[first], at.CALL * of[end], at.CALL):
         begin, count = calls[p + 3], calls[p + 4]
         weights, needed = floats(calls[p + 2], 0, count), False
@@ -99,12 +96,7 @@ def contract(here, first, end):
         if needed:
             called(calls[p], calls[p + 1])
             some = True
-    if some:
-        for i in range(n):
-            row = S[i]
-            for j in range(n):
-                total += row[j] * row[j]
-    return math.sqrt(total)
+    return math.sqrt(product(entries, entries, len(entries))) if some else 0.0
 
 
 @inner
@@ -154,28 +146,25 @@ def bound(here, first, end):
 
 @inner
 def keep(here, place):
-    """Copy S to a place that has room for whole lines."""
+    """Copy S to a place that has room for whole lines; returns it."""
     n, S, out = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.S), matrix(here, place)
     for i in range(n):
         own, row = S[i], out[i]
         for j in range(n):
             row[j] = own[j]
+    return place
 
 
 @inner
 def bent_along(here, d, Z, given, out):
     """Write M = Z S Z' (d, d) to place `out`, for the S at place `given`; returns its Frobenius norm.
 
-    Z (d, n) are the directions in the metric of the soft rows above: see :func:`.curved_rows.measured_basis`.
+    Z (d, n) are the directions in the metric of the soft rows above: see :func:`.curved_rows.measured_basis`. U is work
+    space.
     """
-    n, S, M, half, norm = (
-        ints(here, 0, plain.HEAD)[plain.N],
-        matrix(here, given),
-        matrix(here, out),
-        matrix(here, at.HALF)[0],
-        0.0,
-    )
+    n, M, half, norm = ints(here, 0, plain.HEAD)[plain.N], matrix(here, out), matrix(here, at.HALF)[0], 0.0
     whole = untouched(here, d) and ints(here, 0, plain.HEAD)[at.STIFF] == 0
+    S = matrix(here, keep(here, at.U) if given == at.S and not whole else given)
     for p in range(d):
         row = M[p]
         if whole:
@@ -232,12 +221,9 @@ def bend(here, k, count, d, above, least, damped):
         clear_line(E[i], padded(d))
     Z, more_along, own_along = matrix(here, measured_basis(here, d)), 0.0, 0.0
     if more > 0.0:
-        keep(here, at.U)
-        more_along = bent_along(here, d, Z, at.U, at.M)
+        more_along = bent_along(here, d, Z, at.S, at.M)
     if own > 0.0:
-        if not pushed:
-            keep(here, at.Q)
-        own_along = bent_along(here, d, Z, at.Q, at.KEPT)
+        own_along = bent_along(here, d, Z, at.Q if pushed else at.S, at.KEPT)
     ratio = ratio_of(more_along + max(1.0, root) * own_along, least)  # the norms again, now along Z alone
     if ratio <= TRUSTED:
         return 0.0, ratio

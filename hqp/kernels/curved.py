@@ -18,7 +18,7 @@ from .brake import lags, note_asked
 from .call import called_on
 from .compile import entry, inner, integer, stamp
 from .crowding import crowd, crowded, knows_last
-from .curved_rows import demand, gather, kept, measure, norm_of, note_bounds, project, stack_above
+from .curved_rows import apart, demand, gather, kept, measure, norm_of, note_bounds, project, stack_above
 from .direct import solve_directly
 from .hand_over import freeze, hold
 from .lacking import leave_off_above, note_lacking
@@ -147,12 +147,13 @@ def prepare(here, k, x):
     least, size = project(here, count, d), 0.0
     shortest = least
     spared = marks(here, at.CURVED)[k] == at.SPARED
+    if k + 1 < head[plain.LEVELS] or not apart(here, count, free):
+        head[at.STACKED] = stack_above(here, count, above, free)
     if not spared:
         least = least_apart(here, k, count, d, above, least)
     if opened:
-        size = (
-            norm_of(here, count, free) if count > 0 else so_far[at.SIZE]
-        )  # bounds that x would pass: as firm as above
+        # bounds that x would pass: as firm as above
+        size = norm_of(here, count, above, free) if count > 0 else so_far[at.SIZE]
         firmer = math.sqrt(demand(here, k, count, size)) if size > 0.0 else 1.0
         head[at.STIFF] = 1 if measure(here, k, d, firmer) else 0
     if spared:
@@ -165,8 +166,6 @@ def prepare(here, k, x):
         so_far[at.FADE] = fade
     gate = so_far[at.GATE] = max(so_far[at.GATE], fade)
     head[at.ACTIVE] = count
-    if k + 1 < head[plain.LEVELS]:
-        head[at.STACKED] = stack_above(here, count, above, free)
     first = head[at.FIRST_TASK]  # a level without curvature, a joint held by a posture, say, is not the first task
     head[at.FIRST_TASK] = 1 if first != 0 and of[k + 1] == of[k] else 0
     if strength == 0.0 and (gate == 0.0 or spared) and not opened:
@@ -175,7 +174,7 @@ def prepare(here, k, x):
         head[at.LEFT] = d
         return False
     if not opened:
-        size = norm_of(here, count, free)
+        size = norm_of(here, count, above, free)
     known = not spared and knows_last(here)
     lean = math.sqrt(gate) * (LEAN if first != 0 else LEAN_BELOW) if known else 0.0
     so_far[at.LEAN] = lean / math.sqrt(vector(here, at.SHARES)[k])

@@ -69,7 +69,9 @@ PARTS = 68
 SPAN, AIMED = 69, 70
 # Of every level: whether its curvatures were bounded in this solve; whether their bounds were of no use in the last.
 BOUNDED, LOOSE = 71, 72
-PLACES = 73
+# S again, as one row.
+ALL_OF_S = 73
+PLACES = 74
 
 #: Places in SO_FAR: the gate of the lean; how close the last x moves along bounds; the sum of the squared damping
 #: strengths above; of this level the norm of its rows, the weight of the lean, its c, and its squared strength; what

@@ -139,8 +139,9 @@ def stack_above(here, count, above, free):
             direction = matrix(here, at.BASIS)[b]
             add_scaled(direction, -product(direction, row, n), padded(n), row)
         whose[above] = ids[r]
-        for q in range(above + 1):
-            gram[above][q] = gram[q][above] = product(row, all_above[q], n)
+        multiply(all_above, above + 1, row, n, gram[above])
+        for q in range(above):
+            gram[q][above] = gram[above][q]
         above += 1
     return above
 
@@ -283,30 +284,29 @@ def measured_basis(here, d):
 
 
 @inner
-def norm_of(here, count, free):
-    """The largest singular value of the `count` rows J along the first `free` directions of the basis."""
-    n, J, M, half = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.J), matrix(here, at.M), matrix(here, at.HALF)
-    col, ids, basis, most, last = marks(here, plain.COL), marks(here, at.IDS), matrix(here, at.BASIS), 0.0, -1
-    apart = free == len(basis)
-    for r in range(count):  # as in a posture: every row has a variable of its own
-        j = col[ids[r]]
-        apart = apart and j > last
-        most, last = max(most, abs(J[r][j]) if j >= 0 else 0.0), j
-    if apart:
+def apart(here, count, free):
+    """Whether each of the `count` rows J has a variable of its own, as in a posture, and nothing is held above."""
+    col, ids, last = marks(here, plain.COL), marks(here, at.IDS), -1
+    alone = free == len(matrix(here, at.BASIS))
+    for r in range(count):
+        alone = alone and col[ids[r]] > last
+        last = col[ids[r]]
+    return alone
+
+
+@inner
+def norm_of(here, count, above, free):
+    """The largest singular value of the `count` rows J along the first `free` directions of the basis.
+
+    They are stacked behind `above` others, where they are not :func:`apart`.
+    """
+    J, M, gram, most = matrix(here, at.J), matrix(here, at.M), matrix(here, at.GRAM), 0.0
+    if apart(here, count, free):
+        for r in range(count):
+            most = max(most, abs(J[r][marks(here, plain.COL)[marks(here, at.IDS)[r]]]))
         return most
     for r in range(count):
-        one = J[r]
-        for b in range(free, len(basis)):
-            direction, total = basis[b], 0.0
-            for j in range(n):
-                total += one[j] * direction[j]
-            half[r][b - free] = total
-        single = col[ids[r]]
-        if single < 0:
-            multiply(J, r + 1, one, n, M[r])
-        for q in range(r + 1):
-            total = M[r][q] if single < 0 else one[single] * J[q][single]
-            for b in range(len(basis) - free):
-                total -= half[r][b] * half[q][b]
-            M[r][q] = M[q][r] = total
+        row, own = M[r], gram[above + r]
+        for q in range(count):
+            row[q] = own[above + q]
     return math.sqrt(largest(M, vector(here, at.VALUES), count))

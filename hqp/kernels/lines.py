@@ -19,7 +19,7 @@ from .vectors import LINE, LONG, NUMBER, written
 SIDE_BY_SIDE = {4: 2, 2: 4, 1: 4}
 
 
-def _add_products(write, rows, sums, x, wide):
+def add_products(write, rows, sums, x, wide):
     """Add the products of these rows with x[:wide], each to its own sum."""
     for (t,) in write.lines(wide, (1,)):
         entries = x.line(t)
@@ -31,7 +31,7 @@ def _products(write, rows, first, end, number_of, x, wide, out):
     """Write the products of rows first .. end - 1, which have these numbers, with x[:wide] to `out`."""
     for places in write.tiles(first, end):
         mine, sums = [rows.row(number_of(q)) for q in places], write.sums(len(places))
-        _add_products(write, mine, sums, x, wide)
+        add_products(write, mine, sums, x, wide)
         out.write(places[0], write.totals([write.together([one]) for one in sums]))
 
 
@@ -57,7 +57,7 @@ def _write_products_of_first(write, rows, count, x, n, out):
     some, there = builder.icmp_signed("!=", over, LONG(0)), write.first(over)
     for places in write.tiles(LONG(0), count):
         mine, sums = [rows.row(q) for q in places], write.sums(len(places))
-        _add_products(write, mine, sums, x, whole)
+        add_products(write, mine, sums, x, whole)
         with builder.if_then(some):
             entries = x.some(whole, there)
             for row, one in zip(mine, sums, strict=True):
@@ -300,58 +300,3 @@ def scale_behind(row, share, begin, wide, out):
     """Write row[begin:wide], times a share, to `out`, and zeros before."""
     for t in range(wide):
         out[t] = row[t] * share if t >= begin else 0.0
-
-
-def _rotate(write, one, other, sine, cosine, wide):
-    s, c = (write.everywhere(root) for root in write.roots(sine, cosine))
-    for (t,) in write.lines(wide, (1,)):
-        a, b = one.line(t), other.line(t)
-        one.write(t, write.minus(write.times(a, c), write.times(b, s)))
-        other.write(t, write.plus(write.times(a, s), write.times(b, c)))
-
-
-@written(_rotate)
-def rotate(one, other, sine, cosine, wide):
-    """Rotate two rows in their plane, by the squares of sine and cosine, which have the signs of these."""
-    sine, cosine = (math.copysign(math.sqrt(abs(square)), square) for square in (sine, cosine))
-    for t in range(wide):
-        one[t], other[t] = cosine * one[t] - sine * other[t], sine * one[t] + cosine * other[t]
-
-
-def _subtract_both(write, rows, count, u, p, wide):
-    for (t,) in write.lines(wide, (1,)):
-        along_u, along_p = u.line(t), p.line(t)
-        for (r,) in write.tiles(LONG(0), count, sizes=(1,)):
-            row, mine, other = rows.row(r), write.everywhere(u.entry(r)), write.everywhere(p.entry(r))
-            both = write.plus(write.times(along_p, mine), write.times(along_u, other))
-            row.write(t, write.minus(row.line(t), both))
-
-
-@written(_subtract_both)
-def subtract_both(rows, count, u, p, wide):
-    """Subtract u p' + p u' from rows[:count]."""
-    for r in range(count):
-        mine, other = u[r], p[r]
-        for t in range(wide):
-            rows[r][t] -= mine * p[t] + other * u[t]
-
-
-def _reflect(write, rows, count, u, scale, wide):
-    for places in write.tiles(LONG(0), count):
-        mine, sums = [rows.row(q) for q in places], write.sums(len(places))
-        _add_products(write, mine, sums, u, wide)
-        along = write.totals([write.together([one]) for one in sums])
-        shares = [write.everywhere(write.times(write.number(along, k), scale)) for k in range(len(mine))]
-        for (t,) in write.lines(wide, (1,)):
-            entries = u.line(t)
-            for row, share in zip(mine, shares, strict=True):
-                row.write(t, write.minus(row.line(t), write.times(entries, share)))
-
-
-@written(_reflect)
-def reflect(rows, count, u, scale, wide):
-    """Multiply rows[:count] by the reflection I - scale u u'."""
-    for r in range(count):
-        along = scale * sum(rows[r][t] * u[t] for t in range(wide))
-        for t in range(wide):
-            rows[r][t] -= along * u[t]

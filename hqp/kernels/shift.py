@@ -296,7 +296,7 @@ def advance(here, k, square):
             value[i] += reach * way[i]
     for j in range(n):
         d[j] -= reach * image[j]
-    if best < most:
+    if blocks < 0 or best < most:
         return True
     value[blocks] = high[blocks] if way[blocks] > 0.0 else low[blocks]
     return False

@@ -11,10 +11,10 @@ from __future__ import annotations
 import math
 
 from .compile import inner, integer, precise
-from .lines import reflect, rotate, subtract_both
 from .orthogonal import padded
 from .single_lines import clear_line
 from .sums import SHORT, add_rows, multiply_long
+from .transforms import reflect, rotate, subtract_both
 
 #: An off-diagonal entry counts as zero below this share of its two diagonal neighbours; and the most QL steps for each
 #: eigenvalue.

@@ -125,6 +125,7 @@ class Work:
         made |= {
             at.DIRECTORIES: self.directories,
             at.S: linearisation.curvature,
+            at.ALL_OF_S: linearisation.curvature.reshape(-1),
             at.SCALES: linearisation.scales,
             at.WORTH: linearisation.worth,
             at.AIMS: linearisation.aims,
