@@ -50,11 +50,11 @@ def test_rows_are_turned_into_what_they_ask_for(shape: tuple[int, int], invert: 
     count, d = shape
     G = np.random.default_rng(d).normal(size=shape)
     L, half = np.empty((count, count)), np.empty(shape)
-    assert invert.invert(G @ G.T, G, L, half, count, d)
+    assert invert.invert(G @ G.T, G, L, half, count, d, 0.0)
     np.testing.assert_allclose(half, np.linalg.pinv(G).T, atol=1e-10)
     np.testing.assert_array_equal(L, np.eye(count))
 
 
 def test_rows_that_are_nearly_dependent_are_refused(invert: SimpleNamespace) -> None:
     G = np.array([[1.0, 0.0, 0.0], [1.0, 1e-5, 0.0]])
-    assert not invert.invert(G @ G.T, G, np.empty((2, 2)), np.empty((2, 3)), 2, 3)
+    assert not invert.invert(G @ G.T, G, np.empty((2, 2)), np.empty((2, 3)), 2, 3, 0.0)

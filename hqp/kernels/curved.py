@@ -43,7 +43,7 @@ LEAN, LEAN_BELOW = 0.0316, 0.6
 #: above, times the square of the gate: at acceleration order it pulls all directions to the aim of that first level.
 #: Bends of an arm that is nearly straight are hardly felt by its rows, so that nothing else keeps the levels below from
 #: swinging these; and soft rows turn and stiffen with the joints, which is a spring without a damper.
-BRAKED = 0.25
+BRAKED = 0.2
 #: The c in the metric of the lean, G'G + P + c |J|^2: as a rule; and if the last x moves along bounds, on the first
 #: level and below it. Near bounds it is in between, as their geometric mean: the lag of weak directions grows like c.
 ALIKE, ALIKE_AT_BOUNDS, ALIKE_BELOW = 0.06, 0.85, 1.0

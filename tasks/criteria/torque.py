@@ -73,7 +73,7 @@ class MinimumTorqueTask(Part):
     >>> arm = PlanarArm([0.5, 0.5, 0.5], masses=[1.0, 1.0, 1.0])
     >>> stack = PositionTask([1.0, 0.2], gain=5.0) >> MinimumTorqueTask()
     >>> Controller(arm, stack, order="torque", dt=0.01)([1.1, -1.3, -0.7], [0.0, 0.0, 0.0]).tau.round(3)
-    array([8.792, 2.274, 0.279])
+    array([8.776, 2.336, 0.292])
     """
 
     rows = None
