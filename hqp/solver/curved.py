@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import Array
 from ..backends.native import Memory
 from ..guard import Guard
 from ..hierarchy import Hierarchy
@@ -143,7 +142,7 @@ class CurvedSolver:
                     fields["x"], fields["status"] = x, OPTIMUM
                     if told & STAGED:
                         told ^= STAGED
-                        fields["_points"] = self._told.copy()
+                        fields["_points"] = self._told.tobytes()
                     fields["_noted"] = hierarchy, given, self._zero, self._always, told
                     return solution
             return self._solve(hierarchy, given)
@@ -169,13 +168,13 @@ class CurvedSolver:
         counts = Counts(*map(sum, zip(*(stage.counts for stage in self._failed.values()), strict=True)))
         solution = new(Solution)
         fields = solution.__dict__
-        fields["x"], fields["status"], fields["_points"] = last.x, OPTIMUM, self._told.copy()
+        fields["x"], fields["status"], fields["_points"] = last.x, OPTIMUM, self._told.tobytes()
         fields["_noted"] = hierarchy, given, self._zero, self._always, counts
         if outcome != OPTIMAL:
             fields |= {"status": last.status, "message": last.message, "level": last.level}
         return solution
 
-    def _tell(self, solution: Solution, told: Array, _: object) -> Stages:
+    def _tell(self, solution: Solution, told: bytes, _: object) -> Stages:
         """The stages of an answer, by what the given hierarchy and the declared softening make them."""
         given, declared, curved = solution.hierarchy, self._work.declared(told), self._linearisation.curved
         zero, stages = np.zeros(given.n), list[Solution]()

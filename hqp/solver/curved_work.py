@@ -204,8 +204,9 @@ class Work:
         self._own.append((own, directory))
         return directory
 
-    def declared(self, block: Array) -> Declared:
+    def declared(self, copied: bytes) -> Declared:
         """How levels were softened, from a copy of ``told``, the block of the numbers that tell it."""
+        block = np.frombuffer(copied)
         opened, last, *states = block[: 2 + self._rows].view(np.int64).tolist()
         told, n = block[self._begin :], int(self.head[plain.N])
         ends = np.cumsum([rows * columns for rows, columns in self._shapes])
