@@ -33,6 +33,9 @@ CLEAR = 1e-8
 #: How often y is moved onto the bounds that are met: once would do, but for round-off, as the condition of B B' is the
 #: square of that of B.
 REFINED = 3
+#: A variable that Z moves by less than this is held by the levels above already: at its bound it is by round-off, and
+#: to undo that, others that little holds, as a joint that no task feels, would go anywhere.
+MOVABLE = 1e-8
 #: By this share of its size x may pass a bound, as round-off; it is put back onto it.
 ROUNDING = 1e-13
 #: The share of its size, and of their values, within which x must keep the rows above: a tenth of what a proof allows.
@@ -171,7 +174,8 @@ def triangulate(T, d, total, parts):
 def meet(here, d, first, met):
     """Write to ``mu`` the y that is optimal where the bounds `met` are; whether they are independent.
 
-    ``values`` are their multipliers. B and c are written to T, from row `first` on.
+    Those of variables that are held above leave `met`. ``values`` are the multipliers of the others. B and c are
+    written to T, from row `first` on.
     """
     T, M, L = matrix(here, at.LEAST_SQUARES), matrix(here, at.M), matrix(here, at.HALF)
     basis, base, out, y = matrix(here, at.BASIS), vector(here, at.REACH), vector(here, at.VALUES), vector(here, at.MU)
@@ -184,6 +188,9 @@ def meet(here, d, first, met):
             return False
         for p in range(d):
             row[p] = basis[p][j]
+        if length(row, d) < MOVABLE:
+            met[j] = 0
+            continue
         turn(T, row, d)
         row[d], out[count] = far, 0.0
         for r in range(count + 1):
