@@ -399,7 +399,7 @@ def test_levels_below_keep_what_inequalities_above_have_left(seed: int) -> None:
         assert step.solution.certify().ok, str(step.solution.certify())
 
 
-@pytest.mark.parametrize("seed", [*range(30), 38, 40, 47, 91, 124, 125, 132, 161])
+@pytest.mark.parametrize("seed", [*range(30), 38, 40, 47, 91, 124, 125, 161])
 def test_of_joints_that_no_task_needs_not_round_off_decides(seed: int) -> None:
     """The last joint only turns the hand about the axis of its tasks; its motion hangs on nothing but the state."""
     rng, robot = np.random.default_rng(seed), load_robot(("ur3", "ur10")[seed % 2])
